@@ -10,10 +10,10 @@ namespace srslam {
 struct Feature {
   float u_px = 0.0F;
   float v_px = 0.0F;
-  float response = 0.0F;        ///< detector score; FAST: 0..255
-  float angle_rad = 0.0F;       ///< orientation in [0, 2π)
-  float scale = 1.0F;           ///< pixel size of its pyramid level in level-0 pixels, >= 1
-  std::int32_t octave = 0;      ///< pyramid level, 0 = full resolution
+  float response = 0.0F;    ///< detector score; FAST: 0..255
+  float angle_rad = 0.0F;   ///< orientation in [0, 2π)
+  float scale = 1.0F;       ///< pixel size of its pyramid level in level-0 pixels, >= 1
+  std::int32_t octave = 0;  ///< pyramid level, 0 = full resolution
 };
 
 /// 256-bit binary descriptor (ORB), as four words so that the Hamming distance is four popcounts.

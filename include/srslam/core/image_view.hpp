@@ -30,11 +30,10 @@ struct ImageView {
   constexpr ImageView() = default;
   /// Tightly packed rows.
   constexpr ImageView(T* data_in, int width_in_px, int height_in_px)
-      : ImageView(data_in, width_in_px, height_in_px,
-                  static_cast<std::ptrdiff_t>(width_in_px) *
-                      static_cast<std::ptrdiff_t>(sizeof(T))) {}
-  constexpr ImageView(T* data_in, int width_in_px, int height_in_px,
-                      std::ptrdiff_t stride_in_bytes)
+      : ImageView(
+            data_in, width_in_px, height_in_px,
+            static_cast<std::ptrdiff_t>(width_in_px) * static_cast<std::ptrdiff_t>(sizeof(T))) {}
+  constexpr ImageView(T* data_in, int width_in_px, int height_in_px, std::ptrdiff_t stride_in_bytes)
       : data(data_in),
         width_px(width_in_px),
         height_px(height_in_px),
@@ -57,16 +56,21 @@ struct ImageView {
   /// Precondition: contains(u_px, v_px).
   T& operator()(int u_px, int v_px) const noexcept { return row(v_px)[u_px]; }
 
-  /// Ok when every pixel can be addressed: data present, positive size, rows that do not overlap.
+  /// Ok when every pixel can be addressed: data present, positive size, rows that do not overlap
+  /// and that all start at an address fit for T if the first one does.
   constexpr Status validate() const noexcept {
     if (data == nullptr) return Status::failure(StatusCode::kInvalidArgument, "image has no data");
     if (width_px <= 0 || height_px <= 0) {
       return Status::failure(StatusCode::kInvalidArgument, "image size must be positive");
     }
-    if (stride_bytes < static_cast<std::ptrdiff_t>(width_px) *
-                           static_cast<std::ptrdiff_t>(sizeof(T))) {
+    if (stride_bytes <
+        static_cast<std::ptrdiff_t>(width_px) * static_cast<std::ptrdiff_t>(sizeof(T))) {
       return Status::failure(StatusCode::kInvalidArgument,
                              "image stride is smaller than a row of pixels");
+    }
+    if (stride_bytes % static_cast<std::ptrdiff_t>(alignof(T)) != 0) {
+      return Status::failure(StatusCode::kInvalidArgument,
+                             "image stride is not a multiple of the pixel's alignment");
     }
     return Status::success();
   }
@@ -80,11 +84,13 @@ struct ImageBuffer {
   int width_px = 0;
   int height_px = 0;
 
+  /// A size that is not positive gives an empty buffer. New pixels are value-initialised, kept ones
+  /// hold whatever they held.
   void resize(int new_width_px, int new_height_px) {
-    width_px = new_width_px;
-    height_px = new_height_px;
-    pixels.resize(static_cast<std::size_t>(new_width_px) *
-                  static_cast<std::size_t>(new_height_px));
+    const bool positive = new_width_px > 0 && new_height_px > 0;
+    width_px = positive ? new_width_px : 0;
+    height_px = positive ? new_height_px : 0;
+    pixels.resize(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
   }
   bool empty() const noexcept { return pixels.empty(); }
   ImageView<const T> view() const noexcept { return {pixels.data(), width_px, height_px}; }

@@ -21,6 +21,10 @@ struct RgbdCamera {
   double depth_units_per_m = 0.0;  ///< raw 16-bit depth value of one metre (TUM, BONN: 5000)
   double fps = 30.0;               ///< nominal frame rate [1/s]
   GroundtruthFrame groundtruth_frame = GroundtruthFrame::kCamera;
+
+  /// Ok when every number is in the range that docs/camera_file.md states for its key. There is
+  /// no default depth scale: 0 is refused.
+  Status validate() const noexcept;
 };
 
 /// Names that camera_preset() knows, in documentation order.
@@ -31,10 +35,12 @@ std::vector<std::string> camera_preset_names();
 FileStatus camera_preset(const std::string& name, RgbdCamera* camera);
 
 /// Reads a YAML camera file (format: docs/camera_file.md). Every key is checked: unknown,
-/// missing, repeated or out-of-range keys fail with file, line and reason.
+/// missing, repeated or out-of-range keys fail with file, line and reason. On failure `camera` is
+/// left as it was.
 FileStatus read_camera_file(const std::string& path, RgbdCamera* camera);
 
-/// Writes `camera` so that read_camera_file() restores it to the last bit.
+/// Writes `camera` so that read_camera_file() restores everything but the name to the last bit.
+/// The file is replaced in one step; a camera that validate() refuses is not written.
 FileStatus write_camera_file(const std::string& path, const RgbdCamera& camera);
 
 }  // namespace srslam

@@ -12,13 +12,15 @@
 
 namespace srslam {
 
-/// Which form of the colour image load() decodes. Grey alone is the cheapest.
+/// Which form of the colour image load() decodes. Grey alone is the cheapest: it comes straight
+/// from the decoder, and has the same bits in both modes.
 enum class ColorMode : std::uint8_t { kGray, kGrayAndColor };
 
 struct TumDatasetOptions {
-  double max_time_difference_s = 0.02;  ///< colour to depth, > 0
-  /// File of `t_color color_file t_depth depth_file` lines to use instead of the association
-  /// made here; relative paths are taken from the dataset folder. Empty: none.
+  double max_time_difference_s = 0.02;  ///< colour to depth, inclusive; > 0
+  /// File of `t_color color_file t_depth depth_file` lines to use instead of `rgb.txt`, `depth.txt`
+  /// and the association made here. Its pairs are taken as they are, whatever their time
+  /// difference; the image paths in it are relative to the dataset folder. Empty: none.
   std::string association_file;
   ColorMode color_mode = ColorMode::kGray;
 };
@@ -33,13 +35,19 @@ struct TumFrameEntry {
 };
 
 /// How colour and depth lists were paired. Each colour frame takes its nearest depth image, so
-/// one depth image may serve two colour frames.
+/// one depth image may serve two colour frames; of two equally near the earlier is taken.
 struct AssociationReport {
-  std::size_t num_color = 0;
-  std::size_t num_depth = 0;
+  std::size_t num_color = 0;           ///< colour frames listed
+  std::size_t num_depth = 0;           ///< depth images listed
   std::size_t num_with_depth = 0;      ///< colour frames with depth within the tolerance
   std::size_t num_shared_depth = 0;    ///< colour frames whose depth image also serves another
   double max_time_difference_s = 0.0;  ///< largest accepted difference
+};
+
+/// Working memory of TumDataset::load(); its content means nothing to a caller.
+struct LoadScratch {
+  std::vector<std::uint8_t> file_bytes;
+  std::vector<std::uint16_t> raw_depth;
 };
 
 /// A decoded frame. Buffers are reused when the same object is loaded into again.
@@ -47,10 +55,12 @@ struct LoadedFrame {
   FileStatus status;  ///< why a damaged frame could not be loaded
   std::size_t index = 0;
   double timestamp_s = 0.0;
-  bool has_depth = false;
+  bool has_depth = false;  ///< false also when the frame could not be loaded
   ImageBuffer<std::uint8_t> gray;
   ImageBuffer<Bgr8> color;     ///< empty unless ColorMode::kGrayAndColor
   ImageBuffer<float> depth_m;  ///< 0 where the sensor saw nothing; empty when !has_depth
+  double load_ms = 0.0;        ///< wall time that load() took
+  LoadScratch scratch;
 };
 
 /// A folder in the TUM RGB-D layout: `rgb.txt`, `depth.txt`, optional `groundtruth.txt`,
@@ -58,7 +68,9 @@ struct LoadedFrame {
 class TumDataset {
  public:
   /// Reads and associates the lists. Missing or empty lists, malformed lines, repeated or
-  /// decreasing time stamps fail with file, line and reason.
+  /// decreasing time stamps, and image paths that are absolute, climb with `..`, or hold white space
+  /// or backslashes fail with file, line and reason; `dataset` is then left empty. (Only the text of
+  /// a path is checked; links in the folder are followed.)
   static FileStatus open(const std::string& folder, const TumDatasetOptions& options,
                          TumDataset* dataset);
 
@@ -74,8 +86,15 @@ class TumDataset {
   const std::string& camera_file() const { return camera_file_; }
 
   /// Decodes frame `index`. `camera` states the image size and the depth scale: an image of
-  /// another size, a depth image that is not 16-bit single-channel, or a file that cannot be
-  /// decoded fail with the file's name and the reason, and leave no half-filled frame. Re-entrant.
+  /// another size, a depth image that is not a 16-bit single-channel PNG, a colour image that is
+  /// not an 8-bit PNG or JPEG, or a missing, empty, truncated or otherwise damaged file fail with
+  /// the file's name and the reason, and leave the images of `frame` empty. Sizes are read from the
+  /// header before anything is decoded, and orientation tags are ignored: the pixels are the
+  /// sensor's. Depth is raw / depth_units_per_m rounded to float. The status is also
+  /// stored in `frame`. Re-entrant.
+  ///
+  /// A PNG's checksums prove it whole; a JPEG has none, so flipped bits in one may show as a
+  /// garbled picture and make libjpeg print a warning.
   FileStatus load(std::size_t index, const RgbdCamera& camera, LoadedFrame* frame) const;
 
  private:
@@ -89,10 +108,13 @@ class TumDataset {
 };
 
 /// Hands out frames [first, last) of a dataset in order while one background thread decodes
-/// at most `read_ahead` frames in advance; buffers are recycled. The dataset must outlive it.
+/// at most `read_ahead` frames in advance; buffers are recycled, so that after the first
+/// read_ahead + 1 frames no image is allocated. The dataset must outlive it. One caller at a time;
+/// destroying it early waits for the frame under way at most.
 class FrameReader {
  public:
-  /// read_ahead = 0 decodes in the caller's thread.
+  /// read_ahead = 0 decodes in the caller's thread, as happens when no thread can be started.
+  /// `last_index` is cut to the dataset's size; an empty range hands out nothing.
   FrameReader(const TumDataset& dataset, const RgbdCamera& camera, std::size_t first_index,
               std::size_t last_index, std::size_t read_ahead = 4);
   ~FrameReader();

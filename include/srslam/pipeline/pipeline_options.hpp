@@ -1,44 +1,53 @@
 #pragma once
 
+#include <cstdint>
+
 #include "srslam/core/status.hpp"
 
 namespace srslam {
 
 /// Evenly spread ORB features.
 struct FeatureOptions {
-  int num_features = 1000;     ///< wanted per frame, >= 50
+  int num_features = 1000;     ///< wanted per frame, 50..20000
   int num_levels = 8;          ///< pyramid levels, 1..12
-  double scale_factor = 1.2;   ///< between levels, > 1
-  int fast_threshold = 20;     ///< FAST, 1..255
-  int min_fast_threshold = 7;  ///< where a cell gives none with fast_threshold
+  double scale_factor = 1.2;   ///< between levels, 1.05..2
+  int fast_threshold = 20;     ///< FAST threshold, 1..255
+  int min_fast_threshold = 7;  ///< where a cell gives nothing above it, 1..fast_threshold
 };
 
 /// Matching and pose solving.
 struct TrackingOptions {
-  int min_inliers = 15;               ///< fewer: LOST
-  double min_depth_m = 0.1;           ///< valid depth, exclusive
-  double max_depth_m = 8.0;           ///< valid depth, exclusive
-  double close_depth_m = 3.0;         ///< a point nearer than this is triangulated well by depth
+  int min_inliers = 15;              ///< fewer map points in the solved pose: LOST, >= 4
+  int min_relocalized_inliers = 30;  ///< the same for a pose found by relocalisation
+  int min_initial_points = 100;      ///< features with depth that start a map
+  double min_depth_m = 0.1;          ///< valid depth, exclusive
+  double max_depth_m = 8.0;          ///< valid depth, exclusive
+  double close_depth_m = 3.1;        ///< nearer points are well placed by one depth reading
+  /// Baseline of the virtual stereo camera whose disparity stands for depth in residuals: depth
+  /// and pixel errors weigh the same. 0.0775 m is the Kinect's 40 m px at 516 px focal length.
+  double virtual_baseline_m = 0.0775;
+  std::uint32_t seed = 1;  ///< of the random samples of relocalisation
 };
 
 /// When a tracked frame becomes a keyframe (docs/pipeline.md).
 struct KeyframeOptions {
-  int max_frames = 30;                ///< since the last keyframe: insert when tracking weakens
-  int min_frames = 0;                 ///< since the last keyframe, else never
-  double weak_ratio = 0.25;           ///< inliers below this share of the reference's: urgent
-  double reference_ratio = 0.75;      ///< inliers below this share of the reference's: wanted
-  double young_reference_ratio = 0.4; ///< the same while the map has fewer than two keyframes
-  int min_tracked_close = 100;        ///< fewer close points tracked ...
-  int min_untracked_close = 70;       ///< ... and more close points untracked: wanted
+  int max_frames = 30;                 ///< since the last one: need not wait for the mapper
+  int min_frames = 0;                  ///< since the last one, while the mapper is idle
+  double weak_ratio = 0.25;            ///< inliers below this share of the reference's: urgent
+  double reference_ratio = 0.75;       ///< inliers below this share of the reference's: wanted
+  double young_reference_ratio = 0.4;  ///< the same while the map has fewer than two keyframes
+  int min_tracked_close = 100;         ///< fewer close points tracked ...
+  int min_untracked_close = 70;        ///< ... and more close points untracked: urgent
 };
 
 /// Local map and bundle adjustment.
 struct MappingOptions {
-  int window_size = 10;        ///< keyframes optimised together, >= 2
-  int max_fixed_keyframes = 20;///< neighbours held fixed
-  int max_iterations = 5;
-  int max_keyframes = 200;     ///< in the map; the most redundant ones leave first
-  int apply_after_frames = 2;  ///< frames between an insertion and the use of its adjustment
+  int window_size = 10;          ///< keyframes adjusted together, >= 2
+  int max_fixed_keyframes = 20;  ///< neighbours that hold them in place, >= 0
+  int max_iterations = 5;        ///< of the solver, in each of two passes
+  int max_keyframes = 200;       ///< in the map; beyond it the most redundant one leaves, >= 3
+  int apply_after_frames = 3;    ///< frames from an insertion to the use of its adjustment, >= 0
+  double redundant_share = 0.9;  ///< of a keyframe's points seen by others: it leaves, (0, 1]
 };
 
 struct PipelineOptions {
@@ -46,8 +55,9 @@ struct PipelineOptions {
   TrackingOptions tracking;
   KeyframeOptions keyframes;
   MappingOptions mapping;
-  int num_threads = 2;  ///< 1 or 2; the result does not depend on it
+  int num_threads = 2;  ///< 1 or 2: with 2, bundle adjustment overlaps tracking; same bits
 
+  /// Ok, or the first value outside its domain.
   Status validate() const noexcept;
 };
 

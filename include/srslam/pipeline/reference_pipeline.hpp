@@ -90,7 +90,7 @@ struct PipelineResult {
 /// One instance serves one thread of the caller. No loop closing.
 class ReferencePipeline {
  public:
-  ReferencePipeline(const PinholeCamera& camera, const PipelineOptions& options = {});
+  explicit ReferencePipeline(const PinholeCamera& camera, const PipelineOptions& options = {});
   ~ReferencePipeline();
   ReferencePipeline(ReferencePipeline&&) noexcept;
   ReferencePipeline& operator=(ReferencePipeline&&) noexcept;
@@ -113,7 +113,8 @@ class ReferencePipeline {
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Status status_;
+  std::unique_ptr<Impl> impl_;  ///< empty while status_ is not ok
 };
 
 }  // namespace srslam

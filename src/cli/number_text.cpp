@@ -1,0 +1,34 @@
+#include "cli/number_text.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+namespace srslam::cli {
+namespace {
+
+std::string formatted(const char* format, int digits, double value) {
+  const int length = std::snprintf(nullptr, 0, format, digits, value);
+  std::vector<char> buffer(static_cast<std::size_t>(length) + 1);
+  std::snprintf(buffer.data(), buffer.size(), format, digits, value);
+  return buffer.data();
+}
+
+}  // namespace
+
+std::string shortest_text(double value) {
+  std::string text;
+  for (int digits = 15; digits <= 17; ++digits) {
+    text = formatted("%.*g", digits, value);
+    if (std::strtod(text.c_str(), nullptr) == value) break;
+  }
+  return text;
+}
+
+std::string fixed_text(double value, int digits) {
+  return std::isfinite(value) ? formatted("%.*f", digits, value) : "n/a";
+}
+
+}  // namespace srslam::cli

@@ -1,0 +1,22 @@
+#include "cli/sample_statistics.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace srslam::cli {
+
+SampleStatistics summarize(std::vector<double> values) {
+  SampleStatistics statistics;
+  statistics.count = values.size();
+  if (values.empty()) return statistics;
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  statistics.mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(n);
+  statistics.median = n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+  // ceil(0.95 n) in integers: 0.95 is not a binary number, and 20 values must give rank 19.
+  statistics.p95 = values[(95 * n + 99) / 100 - 1];
+  statistics.max = values.back();
+  return statistics;
+}
+
+}  // namespace srslam::cli
