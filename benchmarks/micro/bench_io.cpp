@@ -32,9 +32,9 @@ class ScratchFolder {
  public:
   ScratchFolder() {
     std::random_device device;
-    path_ = (std::filesystem::temp_directory_path() /
-             ("srslam_bench_io_" + std::to_string(device())))
-                .string();
+    path_ =
+        (std::filesystem::temp_directory_path() / ("srslam_bench_io_" + std::to_string(device())))
+            .string();
     std::filesystem::create_directories(path_ + "/rgb");
     std::filesystem::create_directories(path_ + "/depth");
   }

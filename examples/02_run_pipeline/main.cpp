@@ -1,5 +1,5 @@
-// The baseline pipeline on a folder of RGB-D images in the TUM layout, and its error when the folder
-// has ground truth.
+// The baseline pipeline on a folder of RGB-D images in the TUM layout, and its error when the
+// folder has ground truth.
 //
 //   run_pipeline DATASET [LARGEST_ATE_M]
 //

@@ -63,7 +63,7 @@ CLI::App* add_run_command(CLI::App* program, RunSettings* settings) {
       ->type_name("FILE|none");
   run->add_option("--groundtruth-frame", settings->groundtruth_frame,
                   "What the ground truth's poses describe; default: as the camera says")
-      ->check(CLI::IsMember({kCameraFrame, kMarkerFrame}))
+      ->check(CLI::IsMember({kCameraFrame, kMarkerFrame}).description(""))
       ->type_name("camera|bonn_marker");
   run->add_option("--modules", settings->modules,
                   "none for the baseline, or letters separated by commas: " + module_list() +
@@ -77,12 +77,12 @@ CLI::App* add_run_command(CLI::App* program, RunSettings* settings) {
                   "Folder for the results, made if need be; default: srslam_output/<dataset>")
       ->type_name("DIR");
   run->add_option("--max-frames", settings->max_frames, "Stop after so many colour frames")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
       ->type_name("N");
   run->add_option("--threads", settings->num_threads,
                   "1: everything in one thread; 2: decoding and bundle adjustment beside "
                   "tracking; the result is the same. Takes precedence over --config")
-      ->check(CLI::Range(1, 2))
+      ->check(CLI::Range(1, 2).description(""))
       ->type_name("1|2");
   run->add_flag("--quiet", settings->quiet,
                 "No description of the inputs and no progress line; warnings remain");
@@ -119,14 +119,14 @@ CLI::App* add_evaluate_command(CLI::App* program, EvaluateSettings* settings,
       ->add_option("--groundtruth-frame", *groundtruth_frame,
                    "What the ground truth's poses describe; those of the BONN marker are carried "
                    "into the camera's frame for relative errors")
-      ->check(CLI::IsMember({kCameraFrame, kMarkerFrame}))
+      ->check(CLI::IsMember({kCameraFrame, kMarkerFrame}).description(""))
       ->capture_default_str()
       ->type_name("camera|bonn_marker");
   evaluate
       ->add_option("--rpe", *rpe_definition,
                    "Pairs of the relative error: among matched poses, or as the TUM benchmark's "
                    "tool forms them (docs/evaluation.md)")
-      ->check(CLI::IsMember({"matched_poses", "tum_tool"}))
+      ->check(CLI::IsMember({"matched_poses", "tum_tool"}).description(""))
       ->capture_default_str()
       ->type_name("matched_poses|tum_tool");
   return evaluate;

@@ -85,7 +85,8 @@ PlotSeries relative_errors(const std::string& name, const RpeResult& rpe, double
 
 void add_errors(const TrajectoryReport& report, const Trajectory& groundtruth,
                 const RunResult& result, TrajectoryPlot* plot) {
-  plot->title += ", ATE RMSE " + fixed_text(report.ate.translation_m.rmse, 4) + " m";
+  plot->title += ", ATE RMSE " + fixed_text(report.ate.translation_m.rmse, 4) + " m (" +
+                 to_string(report.ate.alignment) + ")";
   plot->map_title = "Trajectory";
   plot->color_label = "absolute error [m]";
   std::vector<double> errors_m(result.trajectory.size(), std::numeric_limits<double>::quiet_NaN());
@@ -95,11 +96,11 @@ void add_errors(const TrajectoryReport& report, const Trajectory& groundtruth,
   plot->estimate = estimate_positions(result, report.ate.T_reference_estimate, errors_m);
   plot->reference = reference_pieces(groundtruth, *plot);
   plot->upper = {"Relative error, translation",
-                 "[m]",
+                 "error [m]",
                  {relative_errors("over 1 s", report.rpe_second, &RpePair::translation_m),
                   relative_errors("per frame", report.rpe_frame, &RpePair::translation_m)}};
   plot->lower = {"Relative error, rotation",
-                 "[°]",
+                 "error [°]",
                  {relative_errors("over 1 s", report.rpe_second, &RpePair::rotation_deg),
                   relative_errors("per frame", report.rpe_frame, &RpePair::rotation_deg)}};
 }
@@ -120,7 +121,7 @@ void add_progress(const RunResult& result, TrajectoryPlot* plot) {
     times.samples.push_back({record.timestamp_s, record.times.total_ms});
   }
   plot->upper = {"Map points in the pose", "count", {inliers}};
-  plot->lower = {"Time for a frame", "[ms]", {times}};
+  plot->lower = {"Time for a frame", "time [ms]", {times}};
 }
 
 }  // namespace

@@ -130,6 +130,12 @@ std::string map_data(const TrajectoryPlot& plot, const PlotAxes& axes) {
               "\n";
   }
   script += "END_OF_DATA\n";
+  script += "$start << END_OF_DATA\n";
+  if (!plot.estimate.empty()) {
+    const Eigen::Vector3d& start_m = plot.estimate.front().position_m;
+    script += number(start_m[axes.horizontal]) + " " + number(start_m[axes.vertical]) + "\n";
+  }
+  script += "END_OF_DATA\n";
   for (const bool tracked : {true, false}) {
     script += tracked ? "$reference_tracked << END_OF_DATA\n" : "$reference_lost << END_OF_DATA\n";
     for (const TrajectoryPlot::ReferencePiece& piece : plot.reference) {
@@ -187,7 +193,7 @@ std::string map_view(const TrajectoryPlot& plot) {
   script +=
       "$estimate using 1:2:3 with lines lw 2 lc palette title 'estimate', "
       "$estimate using 1:2:3 with points pt 7 ps 0.35 lc palette notitle, "
-      "$estimate using 1:2 every ::0::0 with points pt 9 ps 1.8 lc rgb '#108040' title 'start'\n";
+      "$start using 1:2 with points pt 9 ps 1.8 lc rgb '#108040' title 'start'\n";
   script += "unset colorbox\n";
   return script;
 }

@@ -46,8 +46,7 @@ constexpr const char* kFocalLengthProblem =
     "focal lengths must be in pixels, greater than 0 and at most 1e6";
 constexpr const char* kPrincipalPointProblem =
     "the principal point must be in pixels, at most 1e6 from the image's corner";
-constexpr const char* kCoefficientProblem =
-    "distortion coefficients must be between -1e6 and 1e6";
+constexpr const char* kCoefficientProblem = "distortion coefficients must be between -1e6 and 1e6";
 constexpr const char* kDepthScaleProblem =
     "depth_units_per_m must be 1 to 1e6: how many raw depth units make a metre, such as 5000 "
     "(TUM, BONN) or 1000 (depth in millimetres), not the inverse";
@@ -79,6 +78,7 @@ constexpr const char* kGroundtruthBonnMarker = "bonn_marker";
 
 std::vector<std::string> known_keys() {
   std::vector<std::string> keys;
+  keys.reserve(kIntegerKeys.size() + kDecimalKeys.size() + 3);
   for (const IntegerKey& key : kIntegerKeys) keys.emplace_back(key.name);
   for (const DecimalKey& key : kDecimalKeys) keys.emplace_back(key.name);
   keys.insert(keys.end(), {kDepthScaleKey, kFrameRateKey, kGroundtruthKey});
@@ -87,6 +87,7 @@ std::vector<std::string> known_keys() {
 
 std::vector<std::string> required_keys() {
   std::vector<std::string> keys;
+  keys.reserve(kIntegerKeys.size() + kDecimalKeys.size() + 3);
   for (const IntegerKey& key : kIntegerKeys) keys.emplace_back(key.name);
   for (const DecimalKey& key : kDecimalKeys) {
     if (key.required) keys.emplace_back(key.name);
@@ -257,7 +258,8 @@ FileStatus write_camera_file(const std::string& path, const RgbdCamera& camera) 
   for (const IntegerKey& key : kIntegerKeys) {
     text += std::string(key.name) + ": " + std::to_string(camera.camera.*key.member) + "\n";
   }
-  for (const DecimalKey& key : kDecimalKeys) append_line(key.name, camera.camera.*key.member, &text);
+  for (const DecimalKey& key : kDecimalKeys)
+    append_line(key.name, camera.camera.*key.member, &text);
   append_line(kDepthScaleKey, camera.depth_units_per_m, &text);
   append_line(kFrameRateKey, camera.fps, &text);
   text += std::string(kGroundtruthKey) + ": " +

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -123,8 +124,7 @@ FileStatus read_frames(LineReader* reader, std::vector<ParsedFrame>* frames) {
   if (!reader->status().ok()) return reader->status();
   line = io_detail::trim(line);
   if (!has_line || line != kHeader) {
-    const bool other_version =
-        has_line && line.substr(0, kHeaderStem.size()) == kHeaderStem;
+    const bool other_version = has_line && line.substr(0, kHeaderStem.size()) == kHeaderStem;
     return FileStatus::failure(
         other_version ? StatusCode::kUnsupported : StatusCode::kCorruptData, reader->path(), 1,
         "expected the header line `" + std::string(kHeader) + "`" +
@@ -145,10 +145,10 @@ FileStatus read_frames(LineReader* reader, std::vector<ParsedFrame>* frames) {
   std::stable_sort(frames->begin(), frames->end(), [](const ParsedFrame& a, const ParsedFrame& b) {
     return a.frame.timestamp_s < b.frame.timestamp_s;
   });
-  const auto split_frame = std::adjacent_find(
-      frames->begin(), frames->end(), [](const ParsedFrame& a, const ParsedFrame& b) {
-        return a.frame.timestamp_s == b.frame.timestamp_s;
-      });
+  const auto split_frame = std::adjacent_find(frames->begin(), frames->end(),
+                                              [](const ParsedFrame& a, const ParsedFrame& b) {
+                                                return a.frame.timestamp_s == b.frame.timestamp_s;
+                                              });
   if (split_frame == frames->end()) return FileStatus::success();
   std::string reason = "frame ";
   io_detail::append_timestamp(split_frame->frame.timestamp_s, &reason);
@@ -239,8 +239,8 @@ std::size_t find_detections(const std::vector<FrameDetections>& frames, double t
       [](const FrameDetections& frame, double time_s) { return frame.timestamp_s < time_s; });
   auto nearest = next;
   if (next != frames.begin() &&
-      (next == frames.end() || timestamp_s - std::prev(next)->timestamp_s <=
-                                   next->timestamp_s - timestamp_s)) {
+      (next == frames.end() ||
+       timestamp_s - std::prev(next)->timestamp_s <= next->timestamp_s - timestamp_s)) {
     nearest = std::prev(next);
   }
   if (nearest == frames.end() ||

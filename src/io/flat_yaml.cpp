@@ -101,8 +101,9 @@ FileStatus parse_entries(LineReader* reader, std::vector<FlatYamlEntry>* entries
       continue;
     }
     if (line.front() == ' ' || line.front() == '\t') {
-      return refuse("line is indented; nested values are not supported, write `key: value` from the "
-                    "first column");
+      return refuse(
+          "line is indented; nested values are not supported, write `key: value` from the "
+          "first column");
     }
     std::size_t length = 0;
     while (length < line.size() && is_key_character(line[length])) ++length;

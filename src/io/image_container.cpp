@@ -172,31 +172,31 @@ std::size_t skip_jpeg_scan(Bytes bytes, std::size_t offset) {
 }
 
 std::string inspect_jpeg(Bytes bytes, ImageHeader* header) {
-  const std::string truncated =
-      "JPEG is truncated" + at_byte(bytes.size) + ": no end-of-image marker";
+  const auto truncated = [&bytes] {
+    return "JPEG is truncated" + at_byte(bytes.size) + ": no end-of-image marker";
+  };
   std::size_t offset = 2;
   bool seen_frame = false;
   bool seen_scan = false;
   while (true) {
-    if (offset >= bytes.size) return truncated;
+    if (offset >= bytes.size) return truncated();
     if (bytes[offset] != 0xFF) return "JPEG is damaged: no marker" + at_byte(offset);
     while (offset < bytes.size && bytes[offset] == 0xFF) ++offset;
-    if (offset >= bytes.size) return truncated;
+    if (offset >= bytes.size) return truncated();
     const unsigned char marker = bytes[offset++];
     if (marker == 0xD9) break;
     if (marker == 0x00 || marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8)) {
       return "JPEG is damaged: unexpected marker" + at_byte(offset - 2);
     }
-    if (bytes.size - offset < 2) return truncated;
+    if (bytes.size - offset < 2) return truncated();
     const std::size_t length = big_endian_16(bytes.data + offset);
     if (length < 2) return "JPEG is damaged: impossible segment length" + at_byte(offset);
-    if (length > bytes.size - offset) return truncated;
+    if (length > bytes.size - offset) return truncated();
     const bool is_frame =
         marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
     if (is_frame) {
       if (seen_frame) return "JPEG is damaged: it has two frame headers";
-      std::string reason =
-          parse_jpeg_frame(marker, {bytes.data + offset + 2, length - 2}, header);
+      std::string reason = parse_jpeg_frame(marker, {bytes.data + offset + 2, length - 2}, header);
       if (!reason.empty()) return reason;
       seen_frame = true;
     }

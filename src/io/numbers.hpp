@@ -111,11 +111,10 @@ inline void append_number_by_chars(double value, NumberFormat format, int digits
                                    std::string* text) {
   // Longest fixed form: sign, 309 digits, point, decimals.
   char buffer[400];
-  const std::to_chars_result result =
-      std::to_chars(buffer, buffer + sizeof(buffer), value,
-                    format == NumberFormat::kFixed ? std::chars_format::fixed
-                                                   : std::chars_format::general,
-                    digits);
+  const std::to_chars_result result = std::to_chars(
+      buffer, buffer + sizeof(buffer), value,
+      format == NumberFormat::kFixed ? std::chars_format::fixed : std::chars_format::general,
+      digits);
   text->append(buffer, static_cast<std::size_t>(result.ptr - buffer));
 }
 #endif

@@ -67,9 +67,8 @@ FileStatus open_for_reading(const std::string& path, FileHandle* handle) {
   }
   handle->reset(std::fopen(path.c_str(), "rb"));
   if (*handle == nullptr) {
-    return FileStatus::failure(
-        StatusCode::kIoError, path, 0,
-        "cannot be opened: " + std::generic_category().message(errno));
+    return FileStatus::failure(StatusCode::kIoError, path, 0,
+                               "cannot be opened: " + std::generic_category().message(errno));
   }
   return FileStatus::success();
 }
@@ -133,23 +132,27 @@ bool LineReader::refuse(StatusCode code, std::string reason) {
   return false;
 }
 
+bool LineReader::fill_buffer() {
+  available_ = std::fread(buffer_.data(), 1, buffer_.size(), file_.get());
+  position_ = 0;
+  if (std::ferror(file_.get()) != 0) {
+    return refuse(StatusCode::kIoError,
+                  "cannot be read: " + std::generic_category().message(errno));
+  }
+  return available_ > 0;
+}
+
 bool LineReader::next(std::string_view* line) {
   if (!status_.ok()) return false;
   line_.clear();
   ++line_number_;
+  // One byte more than allowed may be a carriage return; two are too much in any case.
+  constexpr std::size_t kTooLong = kMaxLineBytes + 2;
   bool ended = false;
-  while (!ended) {
-    if (position_ == available_) {
-      available_ = std::fread(buffer_.data(), 1, buffer_.size(), file_.get());
-      position_ = 0;
-      if (available_ == 0) {
-        if (std::ferror(file_.get()) != 0) {
-          return refuse(StatusCode::kIoError,
-                        "cannot be read: " + std::generic_category().message(errno));
-        }
-        if (line_.empty()) return false;
-        break;  // the last line has no end
-      }
+  while (!ended && line_.size() < kTooLong) {
+    if (position_ == available_ && !fill_buffer()) {
+      if (!status_.ok() || line_.empty()) return false;
+      break;  // the last line has no end
     }
     const char* start = buffer_.data() + position_;
     const std::size_t rest = available_ - position_;
@@ -158,10 +161,7 @@ bool LineReader::next(std::string_view* line) {
     const std::size_t length =
         ended ? static_cast<std::size_t>(static_cast<const char*>(end) - start) : rest;
     position_ += length + (ended ? 1 : 0);
-    // Two more bytes than allowed may be a carriage return and the start of what is too much.
-    line_.append(start, std::min(length, kMaxLineBytes + 2 - std::min(line_.size(),
-                                                                      kMaxLineBytes + 2)));
-    if (line_.size() > kMaxLineBytes + 1) break;
+    line_.append(start, std::min(length, kTooLong - line_.size()));
   }
   if (!line_.empty() && line_.back() == '\r') line_.pop_back();
   if (line_.size() > kMaxLineBytes) {
@@ -243,8 +243,8 @@ FileStatus write_file_atomically(const std::string& path, std::string_view text)
   if (file == nullptr) {
     return failed("cannot be created", std::error_code(errno, std::generic_category()));
   }
-  const bool written = text.empty() ||
-                       std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
+  const bool written =
+      text.empty() || std::fwrite(text.data(), 1, text.size(), file.get()) == text.size();
   const bool closed = std::fclose(file.release()) == 0;
   if (!written || !closed) {
     const std::error_code reason(errno, std::generic_category());

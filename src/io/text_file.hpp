@@ -52,6 +52,8 @@ class LineReader {
 
  private:
   bool refuse(StatusCode code, std::string reason);
+  /// Reads the next bytes; false at the end of the file and on failure.
+  bool fill_buffer();
 
   std::string path_;
   FileHandle file_;

@@ -92,8 +92,7 @@ FileStatus read_poses(io_detail::LineReader* reader, const TrajectoryReadOptions
 const char* pose_problem(const StampedPose& pose, const double* previous_s) {
   const Eigen::Matrix3d rotation = pose.T_world_camera.linear();
   const Eigen::Vector3d position_m = pose.T_world_camera.translation();
-  if (!std::isfinite(pose.timestamp_s) ||
-      std::abs(pose.timestamp_s) > io_detail::kMaxTimestamp_s) {
+  if (!std::isfinite(pose.timestamp_s) || std::abs(pose.timestamp_s) > io_detail::kMaxTimestamp_s) {
     return "time stamp of the pose is not finite or beyond 1e10 s";
   }
   if (previous_s != nullptr && !(pose.timestamp_s > *previous_s)) {

@@ -30,7 +30,7 @@ struct ListedImage {
   std::string file;
 };
 
-/// An image of the largest size that a camera may have is smaller when it is compressed at all.
+/// Bounds what a wrong file can make us read; no image of a frame comes near it.
 constexpr std::size_t kMaxImageBytes = 256U << 20U;
 
 std::string join(const std::string& folder, const std::string& name) {
@@ -63,8 +63,8 @@ std::string parse_image(std::string_view timestamp, std::string_view file, Liste
   return reason;
 }
 
-/// Calls `parse(line)` for every line that is not blank or a comment; `parse` returns the reason for
-/// a refusal or an empty string.
+/// Calls `parse(line)` for every line that is not blank or a comment; `parse` returns the reason
+/// for a refusal or an empty string.
 template <typename Parse>
 FileStatus read_lines(const std::string& path, const Parse& parse) {
   LineReader reader;
@@ -81,9 +81,8 @@ FileStatus read_lines(const std::string& path, const Parse& parse) {
 }
 
 FileStatus empty_list(const std::string& path, const char* columns) {
-  return FileStatus::failure(
-      StatusCode::kInsufficientData, path, 0,
-      "lists no images; expected lines `" + std::string(columns) + "`");
+  return FileStatus::failure(StatusCode::kInsufficientData, path, 0,
+                             "lists no images; expected lines `" + std::string(columns) + "`");
 }
 
 FileStatus read_image_list(const std::string& path, std::vector<ListedImage>* images) {
@@ -113,8 +112,8 @@ std::size_t find_nearest(const std::vector<ListedImage>& images, double timestam
       [](const ListedImage& image, double time_s) { return image.timestamp_s < time_s; });
   const auto index = static_cast<std::size_t>(next - images.begin());
   if (index == images.size()) return index - 1;
-  if (index > 0 && timestamp_s - images[index - 1].timestamp_s <=
-                       images[index].timestamp_s - timestamp_s) {
+  if (index > 0 &&
+      timestamp_s - images[index - 1].timestamp_s <= images[index].timestamp_s - timestamp_s) {
     return index - 1;
   }
   return index;
@@ -131,8 +130,8 @@ void count_pairs(const std::vector<TumFrameEntry>& entries, AssociationReport* r
     if (!entry.has_depth()) continue;
     ++report->num_with_depth;
     if (uses[entry.depth_file] > 1) ++report->num_shared_depth;
-    report->max_time_difference_s = std::max(
-        report->max_time_difference_s, std::abs(entry.timestamp_s - entry.depth_timestamp_s));
+    report->max_time_difference_s = std::max(report->max_time_difference_s,
+                                             std::abs(entry.timestamp_s - entry.depth_timestamp_s));
   }
 }
 
@@ -200,8 +199,8 @@ std::string size_text(std::uint64_t width_px, std::uint64_t height_px) {
 
 /// Why a file with this header cannot be the colour image, or an empty string.
 std::string color_problem(const ImageHeader& header) {
-  const bool channels_known = header.format == ImageFormat::kPng || header.num_channels == 1 ||
-                              header.num_channels == 3;
+  const bool channels_known =
+      header.format == ImageFormat::kPng || header.num_channels == 1 || header.num_channels == 3;
   if (header.bits_per_channel == 8 && channels_known) return {};
   return "colour image has " + std::to_string(header.num_channels) + " channel(s) of " +
          std::to_string(header.bits_per_channel) +
@@ -336,17 +335,16 @@ FileStatus TumDataset::open(const std::string& folder, const TumDatasetOptions& 
   return status;
 }
 
-FileStatus TumDataset::load(std::size_t index, const RgbdCamera& camera,
-                            LoadedFrame* frame) const {
+FileStatus TumDataset::load(std::size_t index, const RgbdCamera& camera, LoadedFrame* frame) const {
   const auto start = std::chrono::steady_clock::now();
   frame->index = index;
   frame->timestamp_s = index < size() ? entries_[index].timestamp_s : 0.0;
   frame->has_depth = false;
   frame->status = FileStatus::success();
   if (index >= size()) {
-    frame->status = FileStatus::failure(StatusCode::kInvalidArgument, folder_, 0,
-                                        "frame " + std::to_string(index) + " of " +
-                                            std::to_string(size()) + " does not exist");
+    frame->status = FileStatus::failure(
+        StatusCode::kInvalidArgument, folder_, 0,
+        "frame " + std::to_string(index) + " of " + std::to_string(size()) + " does not exist");
   }
   const Status valid = camera.validate();
   if (!valid.ok()) {
@@ -362,9 +360,8 @@ FileStatus TumDataset::load(std::size_t index, const RgbdCamera& camera,
       frame->has_depth = frame->status.ok();
     }
   } catch (const std::exception& exception) {  // out of memory
-    frame->status =
-        FileStatus::failure(StatusCode::kIoError, folder_, 0,
-                            "frame " + std::to_string(index) + ": " + exception.what());
+    frame->status = FileStatus::failure(StatusCode::kIoError, folder_, 0,
+                                        "frame " + std::to_string(index) + ": " + exception.what());
     frame->has_depth = false;
   }
   if (!frame->status.ok()) frame->gray.resize(0, 0);

@@ -32,15 +32,11 @@ struct CeresBundle {
 
 double squared_error(const CeresBundle& bundle, const BundleProblem& problem, std::size_t edge) {
   const BundleProblem::Edge& e = problem.edges[edge];
-  // Switched-off observations are judged too, with the weight that they would have.
-  RgbdObservation observation = bundle.observations[edge];
-  observation.inverse_sigma = e.inverse_sigma;
-  const RgbdReprojectionCost cost(&observation, &bundle.intrinsics);
   const std::array<const double*, 2> parameters = {
       bundle.poses[static_cast<std::size_t>(e.view)].data(),
       problem.landmarks[static_cast<std::size_t>(e.landmark)].position_m.data()};
   Eigen::Vector3d residual;
-  if (!cost.Evaluate(parameters.data(), residual.data(), nullptr)) {
+  if (!bundle.costs[edge].Evaluate(parameters.data(), residual.data(), nullptr)) {
     return std::numeric_limits<double>::infinity();
   }
   return residual.squaredNorm();
@@ -63,6 +59,10 @@ void solve_bundle(const TrackingCamera& camera, int max_iterations, BundleProble
     bundle.observations.push_back({edge.measurement.pixel.x(), edge.measurement.pixel.y(),
                                    edge.measurement.disparity_px, edge.inverse_sigma});
     bundle.costs.emplace_back(&bundle.observations.back(), &bundle.intrinsics);
+  }
+  for (std::size_t i = 0; i < problem->edges.size(); ++i) {
+    // Ceres would write to stderr about a start that it cannot evaluate.
+    if (!std::isfinite(squared_error(bundle, *problem, i))) return;
   }
   const std::vector<BundleProblem::Landmark> initial_landmarks = problem->landmarks;
 
@@ -100,26 +100,23 @@ void solve_bundle(const TrackingCamera& camera, int max_iterations, BundleProble
   options.max_num_iterations = max_iterations;
   options.num_threads = 1;  // sums of several threads would come in any order
   options.logging_type = ceres::SILENT;
-  options.function_tolerance = 1e-4;
+  // Steps that lower the cost by less move nothing that tracking would notice (docs/pipeline.md).
+  options.function_tolerance = 1e-3;
   options.parameter_tolerance = 1e-7;
 
-  bool usable = true;
-  for (int pass = 0; pass < 2 && usable; ++pass) {
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &ceres_problem, &summary);
-    usable = summary.IsSolutionUsable();
-    problem->num_iterations += static_cast<int>(summary.iterations.size());
-    for (std::size_t i = 0; usable && i < problem->edges.size(); ++i) {
-      BundleProblem::Edge& edge = problem->edges[i];
-      edge.inlier = squared_error(bundle, *problem, i) <= gate(edge.measurement);
-      bundle.observations[i].inverse_sigma = edge.inlier ? edge.inverse_sigma : 0.0;
-    }
-  }
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &ceres_problem, &summary);
+  const bool usable = summary.IsSolutionUsable();
+  problem->num_iterations = static_cast<int>(summary.iterations.size());
   if (usable) {
     for (std::size_t i = 0; i < problem->views.size(); ++i) {
       if (!problem->views[i].fixed) {
         problem->views[i].T_world_camera = pose_from_block(bundle.poses[i].data());
       }
+    }
+    for (std::size_t i = 0; i < problem->edges.size(); ++i) {
+      BundleProblem::Edge& edge = problem->edges[i];
+      edge.inlier = squared_error(bundle, *problem, i) <= gate(edge.measurement);
     }
   } else {
     problem->landmarks = initial_landmarks;

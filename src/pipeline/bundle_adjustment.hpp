@@ -47,8 +47,8 @@ struct BundleProblem {
   }
 };
 
-/// Adjusts poses and landmarks in place with Ceres: Huber cost, then once more over the edges that
-/// pass the χ² gate. One thread, so that the bits depend on nothing but the problem. On failure
+/// Adjusts poses and landmarks in place with Ceres under a Huber cost and judges every edge by the
+/// χ² gate afterwards. One thread, so that the bits depend on nothing but the problem. On failure
 /// `usable` stays false and the problem holds its initial values.
 void solve_bundle(const TrackingCamera& camera, int max_iterations, BundleProblem* problem);
 

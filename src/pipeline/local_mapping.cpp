@@ -46,7 +46,11 @@ bool LocalMapper::apply_pending() {
   if (solve_.valid()) solve_.get();
   pending_ = false;
   last_solve_ms_ = problem_.solve_ms;
-  if (!problem_.usable) return false;
+  if (!problem_.usable) {
+    // The map's bound holds whatever came of the solve.
+    cull_keyframes();
+    return true;
+  }
   for (const BundleProblem::View& view : problem_.views) {
     Keyframe* keyframe = map_->keyframe(view.keyframe);
     if (!view.fixed && keyframe != nullptr) keyframe->T_world_camera = view.T_world_camera;

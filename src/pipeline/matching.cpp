@@ -14,7 +14,7 @@ constexpr int kRotationBinsKept = 3;
 int rotation_bin(float from_rad, float to_rad) {
   double turn = double(from_rad) - double(to_rad);
   if (turn < 0.0) turn += kTwoPi;
-  const int bin = static_cast<int>(turn * kRotationBins / kTwoPi + 0.5);
+  const auto bin = static_cast<int>(std::lround(turn * kRotationBins / kTwoPi));
   return bin % kRotationBins;
 }
 

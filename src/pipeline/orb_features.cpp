@@ -108,7 +108,7 @@ OrbExtractor::OrbExtractor(const FeatureOptions& options) : impl_(std::make_uniq
   int assigned = 0;
   for (std::size_t i = 0; i < num_levels; ++i) {
     const bool last = i + 1 == num_levels;
-    const int wanted = last ? options.num_features - assigned : static_cast<int>(share + 0.5);
+    const int wanted = last ? options.num_features - assigned : static_cast<int>(std::lround(share));
     impl_->levels[i].num_wanted = std::max(wanted, 0);
     assigned += wanted;
     impl_->scales[i] = static_cast<float>(scale);
@@ -196,8 +196,8 @@ void OrbExtractor::Impl::choose_evenly(const cv::Mat& image, int num_wanted) {
   }
   const double area = double(image.cols - 2 * kBorder) * double(image.rows - 2 * kBorder);
   const double cell_size = std::max(1.0, std::sqrt(area / std::max(num_wanted, 1)));
-  const int cols = std::max(1, static_cast<int>((image.cols - 2 * kBorder) / cell_size + 0.5));
-  const int rows = std::max(1, static_cast<int>((image.rows - 2 * kBorder) / cell_size + 0.5));
+  const int cols = std::max(1, cvRound((image.cols - 2 * kBorder) / cell_size));
+  const int rows = std::max(1, cvRound((image.rows - 2 * kBorder) / cell_size));
   const auto num_cells = static_cast<std::size_t>(cols * rows);
 
   // Candidates sorted by cell, strongest first within a cell.

@@ -103,6 +103,18 @@ int classify(const TrackingCamera& camera, const Pose& T_world_camera,
   return num_inliers;
 }
 
+/// Whether the equations have one solution. Judged without damping, which hides a free direction,
+/// and by a unit diagonal, so that metres and radians weigh the same.
+bool determines_pose(const Matrix6& information) {
+  constexpr double kMinPivot = 1e-10;  // roundings, which the other pivots magnify, reach 1e-12
+  const Vector6 diagonal = information.diagonal();
+  if (!(diagonal.minCoeff() > 0.0)) return false;
+  const Vector6 scale = diagonal.cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix<double, 6, 6> scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> factor(scaled);
+  return factor.info() == Eigen::Success && factor.vectorD().minCoeff() > kMinPivot;
+}
+
 }  // namespace
 
 PoseSolution solve_pose(const TrackingCamera& camera, const Pose& T_world_camera_guess,
@@ -153,6 +165,16 @@ PoseSolution solve_pose(const TrackingCamera& camera, const Pose& T_world_camera
     }
     solution.information = equations.hessian;
     solution.num_inliers = classify(camera, solution.T_world_camera, observations);
+  }
+  if (solution.num_inliers < 3) {
+    solution.status =
+        Status::failure(StatusCode::kInsufficientData, "fewer than three inliers are left");
+    return solution;
+  }
+  if (!determines_pose(solution.information)) {
+    solution.status =
+        Status::failure(StatusCode::kDegenerate, "the observations do not determine a pose");
+    return solution;
   }
   solution.T_world_camera = orthonormalized(solution.T_world_camera);
   solution.status = Status::success();

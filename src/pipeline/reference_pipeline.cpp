@@ -198,6 +198,10 @@ PipelineResult ReferencePipeline::process(const PipelineFrame& input) {
   PipelineResult result;
   result.status = status_;
   if (!status_.ok()) return result;
+  if (impl_ == nullptr) {
+    result.status = Status::failure(StatusCode::kInvalidArgument, "the pipeline was moved from");
+    return result;
+  }
   result.status = impl_->check(input);
   if (!result.status.ok()) return result;
   Impl& impl = *impl_;

@@ -29,11 +29,13 @@ constexpr double kMaxPredictionGap_s = 0.5;
 }  // namespace
 
 Pose Tracker::predict(double timestamp_s) const {
-  const Pose T_world_last_frame = T_world_last();
+  Pose T_world_last_frame = T_world_last();
   const double gap_s = timestamp_s - last_timestamp_s_;
   if (!has_velocity_ || !(gap_s > 0.0) || gap_s > kMaxPredictionGap_s) return T_world_last_frame;
   const Vector6 motion = velocity_per_s_ * gap_s;
-  return T_world_last_frame * se3_exp(motion);
+  const Pose predicted = T_world_last_frame * se3_exp(motion);
+  // Time stamps a hair apart make a velocity that overflows.
+  return predicted.matrix().allFinite() ? predicted : T_world_last_frame;
 }
 
 bool Tracker::solve_matches(const Pose& T_world_camera_guess, FeatureFrame* frame,

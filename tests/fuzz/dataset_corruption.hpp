@@ -137,7 +137,8 @@ class DatasetCorrupter {
     const std::size_t count = bytes.empty() ? 0 : 1 + below(16);
     for (std::size_t i = 0; i < count; ++i) {
       // Half of them near the start, where headers are.
-      const std::size_t end = below(2) == 0 ? bytes.size() : std::min<std::size_t>(bytes.size(), 64);
+      const std::size_t end =
+          below(2) == 0 ? bytes.size() : std::min<std::size_t>(bytes.size(), 64);
       char& byte = bytes[below(end)];
       byte = static_cast<char>(static_cast<unsigned char>(byte) ^ (1U + below(255)));
     }
@@ -158,9 +159,12 @@ class DatasetCorrupter {
   /// Replaces one word of `line`.
   void replace_word(std::string* line) {
     static const std::array<const char*, 24> kWords = {
-        "nan",   "-nan",  "inf",        "-inf", "1e308", "-1e308", "1e-320", "1e999",
-        "0",     "-1",    "0x1p3",      "1,5",  "",      "none",   "\xFF\xFE", "99999999999999999999",
-        "../..", "/dev/zero", "rgb",    "a b",  "'",     "[1]",    "1e17",   "4294967296"};
+        "nan",   "-nan",      "inf",      "-inf",
+        "1e308", "-1e308",    "1e-320",   "1e999",
+        "0",     "-1",        "0x1p3",    "1,5",
+        "",      "none",      "\xFF\xFE", "99999999999999999999",
+        "../..", "/dev/zero", "rgb",      "a b",
+        "'",     "[1]",       "1e17",     "4294967296"};
     std::vector<std::pair<std::size_t, std::size_t>> words;
     for (std::size_t i = 0; i < line->size();) {
       const std::size_t start = line->find_first_not_of(" \t", i);

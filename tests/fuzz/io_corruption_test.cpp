@@ -86,9 +86,8 @@ class CorruptedDataset {
  private:
   std::string path(const std::string& file) const { return folder_ + "/" + file; }
   bool is_damaged(const std::string& full_path) const {
-    return std::any_of(damaged_.begin(), damaged_.end(), [&](const std::string& file) {
-      return full_path == path(file);
-    });
+    return std::any_of(damaged_.begin(), damaged_.end(),
+                       [&](const std::string& file) { return full_path == path(file); });
   }
   bool is_file_damaged(const std::string& file) const { return damaged_.count(file) > 0; }
 
@@ -174,8 +173,7 @@ TEST_P(IoCorruption, NeverCrashesAndAlwaysSaysWhy) {
     const auto start = std::chrono::steady_clock::now();
     CorruptedDataset(copy, damages).read_everything(&tally);
     slowest_s = std::max(
-        slowest_s,
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        slowest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     if (tally.num_lists_refused + tally.num_frames_refused + tally.num_companions_refused >
         before.num_lists_refused + before.num_frames_refused + before.num_companions_refused) {
       ++num_seeds_refused;

@@ -59,7 +59,6 @@ LIBRARIES = {
     "CLI/": "CLI11",
     "nlohmann/": "nlohmann_json",
 }
-CLI_PACKAGES = {"Eigen3", "CLI11", "nlohmann_json", "Threads"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 GENERATED = {"srslam/version.hpp": "core"}
@@ -156,8 +155,6 @@ class Checker:
                              + ", ".join(sorted(closure - EVALUATION_CLOSURE)))
 
     def allowed_libraries(self, name, with_private):
-        if name == "cli":
-            return set(CLI_PACKAGES)
         libraries = set()
         for member in self.components[name].get("CLOSURE", [name]):
             if member == name and not with_private:
@@ -170,8 +167,6 @@ class Checker:
         """Includes of one file of component `name`."""
         shown = path.relative_to(self.root).as_posix()
         closure = set(self.components[name].get("CLOSURE", []))
-        if name == "cli":
-            closure = set(self.components)
         compiled = bool(self.components[name].get("SOURCES"))
         libraries = self.allowed_libraries(name, with_private=not (is_public and compiled))
         self.num_files += 1

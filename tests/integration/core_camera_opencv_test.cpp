@@ -8,9 +8,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "../support/rng.hpp"
-#include "../support/test_cameras.hpp"
 #include "srslam/core/camera.hpp"
+#include "support/rng.hpp"
+#include "support/test_cameras.hpp"
 
 namespace srslam {
 namespace {

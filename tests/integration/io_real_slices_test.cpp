@@ -69,9 +69,10 @@ TEST_P(RealSlice, EveryFrameLoadsWithPlausibleDepth) {
     ASSERT_TRUE(frame.gray.view().validate().ok());
     ASSERT_EQ(frame.gray.width_px, 640);
     ASSERT_EQ(frame.gray.height_px, 480);
-    ASSERT_TRUE(std::all_of(
-        frame.depth_m.pixels.begin(), frame.depth_m.pixels.end(),
-        [](float depth_m) { return std::isfinite(depth_m) && depth_m >= 0.0F && depth_m < 14.0F; }));
+    ASSERT_TRUE(
+        std::all_of(frame.depth_m.pixels.begin(), frame.depth_m.pixels.end(), [](float depth_m) {
+          return std::isfinite(depth_m) && depth_m >= 0.0F && depth_m < 14.0F;
+        }));
     if (check_depth_plausible(summarize_depth(frame.depth_m.view())).ok()) ++num_plausible;
     ++num_loaded;
   }
@@ -106,11 +107,12 @@ TEST_P(RealSlice, GroundTruthSurvivesWritingToItsPrintedDigits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Slices, RealSlice,
-    testing::Values(SliceCase{"fr1_xyz_a", "tum_fr1", 400, 401, 0.0172},
-                    SliceCase{"bonn_crowd_a", "bonn", 480, 481, 0.02}),
-    [](const testing::TestParamInfo<SliceCase>& slice) { return slice.param.name; });
+INSTANTIATE_TEST_SUITE_P(Slices, RealSlice,
+                         testing::Values(SliceCase{"fr1_xyz_a", "tum_fr1", 400, 401, 0.0172},
+                                         SliceCase{"bonn_crowd_a", "bonn", 480, 481, 0.02}),
+                         [](const testing::TestParamInfo<SliceCase>& slice) {
+                           return slice.param.name;
+                         });
 
 TEST(BonnGroundtruthFile, ConversionAgreesWithThePublishedTransformsToThePrintedDigits) {
   const std::string folder = test::real_slice("bonn_crowd_a");
@@ -131,8 +133,8 @@ TEST(BonnGroundtruthFile, ConversionAgreesWithThePublishedTransformsToThePrinted
     ASSERT_EQ(converted[i].timestamp_s, expected[i].timestamp_s);
     const Pose& a = converted[i].T_world_camera;
     const Pose& b = expected[i].T_world_camera;
-    largest_position_m = std::max(
-        largest_position_m, (a.translation() - b.translation()).cwiseAbs().maxCoeff());
+    largest_position_m =
+        std::max(largest_position_m, (a.translation() - b.translation()).cwiseAbs().maxCoeff());
     const Eigen::Quaterniond q_a(Eigen::Matrix3d(a.linear()));
     Eigen::Quaterniond q_b(Eigen::Matrix3d(b.linear()));
     if (q_a.dot(q_b) < 0.0) q_b.coeffs() *= -1.0;

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "../support/numeric_jacobian.hpp"
-#include "../support/rng.hpp"
-#include "../support/test_cameras.hpp"
 #include "srslam/core/camera.hpp"
+#include "support/numeric_jacobian.hpp"
+#include "support/rng.hpp"
+#include "support/test_cameras.hpp"
 
 namespace srslam {
 namespace {
@@ -107,7 +107,8 @@ TEST(CameraProperties, DomainIsStarShapedAndMonotone) {
     const Eigen::Vector2d direction(std::cos(azimuth), std::sin(azimuth));
     bool inside = true;
     double previous = 0.0;
-    for (double radius = 0.01; radius < 3.0; radius += 0.01) {
+    for (int step = 1; step < 300; ++step) {
+      const double radius = 0.01 * step;
       const Eigen::Vector2d normalized = radius * direction;
       const bool visible = camera.project({normalized.x(), normalized.y(), 1.0}, nullptr);
       EXPECT_TRUE(inside || !visible) << radius;

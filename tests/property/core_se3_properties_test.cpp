@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "../support/numeric_jacobian.hpp"
-#include "../support/rng.hpp"
 #include "srslam/core/conventions.hpp"
 #include "srslam/core/se3.hpp"
+#include "support/numeric_jacobian.hpp"
+#include "support/rng.hpp"
 
 namespace srslam {
 namespace {

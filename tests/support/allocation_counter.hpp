@@ -39,6 +39,7 @@ inline void* counted_allocation(std::size_t size, std::size_t alignment) {
 // The library promises no allocation; a replaced operator new is the way to see one. The array and
 // nothrow forms of the standard library call these. Not inlined, because GCC would otherwise see
 // free() applied to the result of operator new and call that a mismatch.
+// NOLINTBEGIN(misc-definitions-in-headers): one translation unit includes this, see above
 [[gnu::noinline]] void* operator new(std::size_t size) {
   return srslam::test::counted_allocation(size, 0);
 }
@@ -53,3 +54,4 @@ inline void* counted_allocation(std::size_t size, std::size_t alignment) {
 [[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
   std::free(memory);
 }
+// NOLINTEND(misc-definitions-in-headers)

@@ -104,7 +104,8 @@ inline std::uint16_t tiny_raw_depth(int index, int u_px, int v_px) {
 inline cv::Mat tiny_depth(int index) {
   cv::Mat image(kTinyHeight_px, kTinyWidth_px, CV_16UC1);
   for (int v = 0; v < image.rows; ++v) {
-    for (int u = 0; u < image.cols; ++u) image.at<std::uint16_t>(v, u) = tiny_raw_depth(index, u, v);
+    for (int u = 0; u < image.cols; ++u)
+      image.at<std::uint16_t>(v, u) = tiny_raw_depth(index, u, v);
   }
   return image;
 }
@@ -122,7 +123,9 @@ inline std::string tiny_timestamp(int index, int offset_ms = 0) {
 inline std::string tiny_color_file(int index, const std::string& extension = "png") {
   return "rgb/" + tiny_timestamp(index) + "." + extension;
 }
-inline std::string tiny_depth_file(int index) { return "depth/" + tiny_timestamp(index, 4) + ".png"; }
+inline std::string tiny_depth_file(int index) {
+  return "depth/" + tiny_timestamp(index, 4) + ".png";
+}
 
 /// Writes a whole valid dataset: `num_frames` colour images, depth 4 ms after each, ground truth,
 /// detections and a camera file.
@@ -138,8 +141,7 @@ inline void write_tiny_dataset(const std::string& folder, int num_frames,
     rgb += tiny_timestamp(i) + " " + tiny_color_file(i, extension) + "\n";
     depth += tiny_timestamp(i, 4) + " " + tiny_depth_file(i) + "\n";
     groundtruth += tiny_timestamp(i, 1) + " 0." + std::to_string(i) + " 0 1.5 0 0 0.6 0.8\n";
-    detections += tiny_timestamp(i) +
-                  (i % 3 == 0 ? " none\n" : " person 0.9 1.5 2.5 20.0 28.0\n");
+    detections += tiny_timestamp(i) + (i % 3 == 0 ? " none\n" : " person 0.9 1.5 2.5 20.0 28.0\n");
     if (i % 3 == 2) detections += tiny_timestamp(i) + " chair 0.5 20.0 3.0 39.0 29.5\n";
   }
   write_text(folder + "/rgb.txt", rgb);

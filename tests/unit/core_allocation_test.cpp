@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "../support/allocation_counter.hpp"
-#include "../support/test_cameras.hpp"
 #include "srslam/core/conventions.hpp"
 #include "srslam/core/feature.hpp"
 #include "srslam/core/robust_cost.hpp"
 #include "srslam/core/se3.hpp"
+#include "support/allocation_counter.hpp"
+#include "support/test_cameras.hpp"
 
 namespace srslam {
 namespace {

@@ -38,7 +38,7 @@ std::string describe(const RobustCost& cost) {
 /// Residuals e from far below to far above the scale.
 std::vector<double> residuals(double scale) {
   std::vector<double> values = {0.0};
-  for (double factor = 1e-8; factor < 1e8; factor *= 1.9) values.push_back(factor * scale);
+  for (int step = 0; step < 58; ++step) values.push_back(1e-8 * std::pow(1.9, step) * scale);
   return values;
 }
 
@@ -175,7 +175,8 @@ TEST(RobustCost, InfluenceOfAnyResidualIsBounded) {
         break;
     }
     double largest = 0.0;
-    for (double e = 0.0; e < 50.0 * c; e += 1e-3 * c) {
+    for (int step = 0; step < 50000; ++step) {
+      const double e = 1e-3 * step * c;
       largest = std::max(largest, e * cost.weight(e * e));
     }
     EXPECT_LE(largest, bound * (1.0 + 1e-12)) << describe(cost);
@@ -256,7 +257,8 @@ double efficiency(const RobustCost& cost) {
   const auto psi = [&](double e) { return e * cost.weight(e * e); };
   double mean_slope = 0.0;
   double mean_square = 0.0;
-  for (double e = -9.0; e < 9.0; e += kStep) {
+  for (int step = -90000; step <= 90000; ++step) {
+    const double e = step * kStep;
     const double density = std::exp(-0.5 * e * e);
     mean_slope += density * (psi(e + 0.5 * kStep) - psi(e - 0.5 * kStep)) / kStep;
     mean_square += density * psi(e) * psi(e);

@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "../support/rng.hpp"
 #include "srslam/core/se3.hpp"
+#include "support/rng.hpp"
 
 namespace srslam {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "../support/numeric_jacobian.hpp"
+#include "support/numeric_jacobian.hpp"
 
 namespace srslam {
 namespace {

@@ -11,13 +11,13 @@
 
 #include <gtest/gtest.h>
 
-#include "../support/rng.hpp"
 #include "srslam/core/array_view.hpp"
 #include "srslam/core/detection.hpp"
 #include "srslam/core/feature.hpp"
 #include "srslam/core/grid.hpp"
 #include "srslam/core/image_view.hpp"
 #include "srslam/core/status.hpp"
+#include "support/rng.hpp"
 
 namespace srslam {
 namespace {

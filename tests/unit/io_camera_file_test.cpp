@@ -63,8 +63,8 @@ TEST(CameraPreset, HoldsThePublishedCalibrations) {
     EXPECT_EQ(camera.height_px, 480);
     EXPECT_EQ(preset.depth_units_per_m, 5000.0);
     EXPECT_EQ(preset.fps, 30.0);
-    EXPECT_EQ(preset.groundtruth_frame, names[i] == "bonn" ? GroundtruthFrame::kBonnMarker
-                                                           : GroundtruthFrame::kCamera);
+    EXPECT_EQ(preset.groundtruth_frame,
+              names[i] == "bonn" ? GroundtruthFrame::kBonnMarker : GroundtruthFrame::kCamera);
   }
 }
 
@@ -91,7 +91,8 @@ class CameraFile : public testing::Test {
 };
 
 TEST_F(CameraFile, MinimalFileGetsTheDocumentedDefaults) {
-  for (const std::string& text : {minimal_, "%YAML:1.0\n---\n" + minimal_, "---\n" + minimal_ + "...\n"}) {
+  for (const std::string& text :
+       {minimal_, "%YAML:1.0\n---\n" + minimal_, "---\n" + minimal_ + "...\n"}) {
     const FileStatus status = read(text);
     ASSERT_TRUE(status.ok()) << status.message();
     RgbdCamera expected;
@@ -173,7 +174,8 @@ TEST_F(CameraFile, RefusesBadKeysAndValuesWithTheirLine) {
     std::string reason_part;
   };
   const std::vector<Replacement> replaced = {
-      {"width_px: 640", "width_px: 640.0", 1, "value '640.0' of key 'width_px' is not a whole number"},
+      {"width_px: 640", "width_px: 640.0", 1,
+       "value '640.0' of key 'width_px' is not a whole number"},
       {"width_px: 640", "width_px: 0", 1, "out of range: image sides must be 1 to 16384 px"},
       {"height_px: 480", "height_px: 16385", 2, "out of range: image sides"},
       {"height_px: 480", "height_px: -480", 2, "out of range: image sides"},
@@ -278,10 +280,10 @@ TEST(RgbdCameraValidate, DefaultIsRefusedAndNaNIsFound) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   RgbdCamera camera = test::tiny_camera();
   EXPECT_TRUE(camera.validate().ok());
-  for (double* value : {&camera.camera.fx_px, &camera.camera.fy_px, &camera.camera.cx_px,
-                        &camera.camera.cy_px, &camera.camera.k1, &camera.camera.k2,
-                        &camera.camera.p1, &camera.camera.p2, &camera.camera.k3,
-                        &camera.depth_units_per_m, &camera.fps}) {
+  for (double* value :
+       {&camera.camera.fx_px, &camera.camera.fy_px, &camera.camera.cx_px, &camera.camera.cy_px,
+        &camera.camera.k1, &camera.camera.k2, &camera.camera.p1, &camera.camera.p2,
+        &camera.camera.k3, &camera.depth_units_per_m, &camera.fps}) {
     const double kept = *value;
     *value = nan;
     const Status status = camera.validate();

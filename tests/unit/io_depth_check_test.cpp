@@ -12,9 +12,9 @@ TEST(DepthCheck, SummaryIgnoresInvalidPixels) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   // The last column is padding that the view does not cover.
-  const std::vector<float> pixels = {1.0F, nan,  2.0F, 99.0F,  //
+  const std::vector<float> pixels = {1.0F, nan,  2.0F,  99.0F,  //
                                      0.0F, 5.0F, -1.0F, 99.0F,  //
-                                     inf,  3.0F, 0.0F, 99.0F};
+                                     inf,  3.0F, 0.0F,  99.0F};
   const DepthSummary summary =
       summarize_depth({pixels.data(), 3, 3, 4 * static_cast<std::ptrdiff_t>(sizeof(float))});
   EXPECT_DOUBLE_EQ(summary.valid_share, 4.0 / 9.0);

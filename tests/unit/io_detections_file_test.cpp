@@ -33,14 +33,13 @@ class DetectionsFile : public testing::Test {
 };
 
 TEST_F(DetectionsFile, ReadsTheDocumentedExample) {
-  const FileStatus status = read(
-      std::string(kHeader) +
-      "# timestamp_s class score x_min_px y_min_px x_max_px y_max_px\n"
-      "1548339827.04 person 0.912 100.0 50.2 200.1 400.0\n"
-      "1548339827.04 dining_table 1 -3.5 0 640.5 480\n"
-      "\n"
-      "1548339827.08 none\n"
-      "1548339827.11 cup 0 1 2 3 4\n");
+  const FileStatus status = read(std::string(kHeader) +
+                                 "# timestamp_s class score x_min_px y_min_px x_max_px y_max_px\n"
+                                 "1548339827.04 person 0.912 100.0 50.2 200.1 400.0\n"
+                                 "1548339827.04 dining_table 1 -3.5 0 640.5 480\n"
+                                 "\n"
+                                 "1548339827.08 none\n"
+                                 "1548339827.11 cup 0 1 2 3 4\n");
   ASSERT_TRUE(status.ok()) << status.message();
   ASSERT_EQ(frames_.size(), 3U);
   EXPECT_EQ(frames_[0].timestamp_s, 1548339827.04);
@@ -66,11 +65,10 @@ TEST_F(DetectionsFile, AcceptsCarriageReturns) {
 }
 
 TEST_F(DetectionsFile, FramesInAnyOrderComeOutSorted) {
-  ASSERT_TRUE(read(std::string(kHeader) +
-                   "3 c 0.5 1 2 3 4\n"
-                   "1 a 0.5 1 2 3 4\n"
-                   "1 b 0.5 1 2 3 4\n"
-                   "2 none\n")
+  ASSERT_TRUE(read(std::string(kHeader) + "3 c 0.5 1 2 3 4\n"
+                                          "1 a 0.5 1 2 3 4\n"
+                                          "1 b 0.5 1 2 3 4\n"
+                                          "2 none\n")
                   .ok());
   ASSERT_EQ(frames_.size(), 3U);
   EXPECT_EQ(frames_[0].timestamp_s, 1.0);
@@ -123,7 +121,8 @@ TEST_F(DetectionsFile, RefusesBadLinesWithLineAndReason) {
       {"1 none", "already has lines; `none` must be the only line"},
       {"0.5 none\n0.5 a 0.5 1 2 3 4", "said to have no detections on line 3"},
       {"0.5 none\n0.5 none", "`none` must be the only line"},
-      {"2 none\n1 b 0.5 1 2 3 4", "frame 1.000000 already began on line 2; the lines of a frame must"},
+      {"2 none\n1 b 0.5 1 2 3 4",
+       "frame 1.000000 already began on line 2; the lines of a frame must"},
       {"2 none\n1 none", "frame 1.000000 already began on line 2"},
       {"2 per\xC3 0.5 1 2 3 4", "UTF-8"},
       {"2 per\x01son 0.5 1 2 3 4", "control character"},
@@ -239,8 +238,8 @@ TEST(FindDetections, AgreesWithBruteForce) {
       double best_s = tolerance_s;
       for (std::size_t i = 0; i < frames.size(); ++i) {
         const double difference_s = std::abs(frames[i].timestamp_s - query_s);
-        const bool better = expected == frames.size() ? difference_s <= best_s
-                                                      : difference_s < best_s;
+        const bool better =
+            expected == frames.size() ? difference_s <= best_s : difference_s < best_s;
         if (better) {
           expected = i;
           best_s = difference_s;

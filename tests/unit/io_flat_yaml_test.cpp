@@ -42,11 +42,13 @@ TEST_F(FlatYaml, ReadsKeysValuesAndLines) {
       "empty: \"\"\n"
       "...\n");
   ASSERT_TRUE(status.ok()) << status.message();
-  const std::vector<FlatYamlEntry> expected = {
-      {"fx_px", "525.0", 5},        {"features.num_features", "1000", 6},
-      {"name", "left camera", 7},   {"url-like", "a#b", 8},
-      {"quoted", "say \"hi\" \\ # no comment", 9}, {"single", "it's # here", 10},
-      {"empty", "", 11}};
+  const std::vector<FlatYamlEntry> expected = {{"fx_px", "525.0", 5},
+                                               {"features.num_features", "1000", 6},
+                                               {"name", "left camera", 7},
+                                               {"url-like", "a#b", 8},
+                                               {"quoted", "say \"hi\" \\ # no comment", 9},
+                                               {"single", "it's # here", 10},
+                                               {"empty", "", 11}};
   ASSERT_EQ(entries_.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(entries_[i].key, expected[i].key);
@@ -56,7 +58,9 @@ TEST_F(FlatYaml, ReadsKeysValuesAndLines) {
 }
 
 TEST_F(FlatYaml, AcceptsCarriageReturnsByteOrderMarkAndNoLastLineEnd) {
-  const FileStatus status = read("\xEF\xBB\xBF" "a: 1\r\n# x\r\nb: 2");
+  const FileStatus status = read(
+      "\xEF\xBB\xBF"
+      "a: 1\r\n# x\r\nb: 2");
   ASSERT_TRUE(status.ok()) << status.message();
   ASSERT_EQ(entries_.size(), 2U);
   EXPECT_EQ(entries_[0].key, "a");

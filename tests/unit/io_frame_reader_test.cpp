@@ -39,8 +39,9 @@ TEST_F(FrameReaderTest, HandsOutTheSameFramesAsLoadInOrder) {
     std::size_t last;
     std::size_t expected_last;
   };
-  for (const Range& range : {Range{0, 12, 12}, Range{3, 7, 7}, Range{5, 1000, 12}, Range{11, 12, 12},
-                             Range{4, 4, 4}, Range{12, 12, 12}, Range{7, 3, 7}, Range{50, 60, 50}}) {
+  for (const Range& range :
+       {Range{0, 12, 12}, Range{3, 7, 7}, Range{5, 1000, 12}, Range{11, 12, 12}, Range{4, 4, 4},
+        Range{12, 12, 12}, Range{7, 3, 7}, Range{50, 60, 50}}) {
     for (const std::size_t read_ahead : {0U, 1U, 2U, 4U, 100U}) {
       SCOPED_TRACE(std::to_string(range.first) + ".." + std::to_string(range.last) + " ahead " +
                    std::to_string(read_ahead));
@@ -117,8 +118,7 @@ TEST_F(FrameReaderTest, CanBeDestroyedAtAnyTime) {
   make(10);
   for (std::size_t num_taken = 0; num_taken <= 10; ++num_taken) {
     for (const std::size_t read_ahead : {0U, 1U, 4U, 20U}) {
-      auto reader =
-          std::make_unique<FrameReader>(dataset_, tiny_camera(), 0, 10, read_ahead);
+      auto reader = std::make_unique<FrameReader>(dataset_, tiny_camera(), 0, 10, read_ahead);
       for (std::size_t i = 0; i < num_taken; ++i) ASSERT_TRUE(reader->next(&frame_));
       reader.reset();
     }

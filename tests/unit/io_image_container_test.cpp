@@ -144,7 +144,8 @@ TEST(ImageContainer, DamageToPngStructureIsNamed) {
   const std::vector<Case> cases = {
       {{{"IHDR", header_data}, {"IDAT", pixels}, {"tEXt", {}}, {"IEND", {}}}, ""},
       {{{"IHDR", header_data}, {"IDAT", pixels}, {"IDAT", pixels}, {"IEND", {}}}, ""},
-      {{{"IHDR", png_header(40, 30, 8, 3)}, {"PLTE", {0, 0, 0}}, {"IDAT", pixels}, {"IEND", {}}}, ""},
+      {{{"IHDR", png_header(40, 30, 8, 3)}, {"PLTE", {0, 0, 0}}, {"IDAT", pixels}, {"IEND", {}}},
+       ""},
       {{{"IHDR", header_data}, {"IEND", {}}}, "no IDAT chunk"},
       {{{"IDAT", pixels}, {"IHDR", header_data}, {"IEND", {}}}, "one IHDR chunk, and as the first"},
       {{{"IHDR", header_data}, {"IHDR", header_data}, {"IEND", {}}}, "one IHDR chunk"},

@@ -18,11 +18,21 @@ using io_detail::NumberFormat;
 
 TEST(IoNumbers, AcceptsDecimalNotation) {
   const std::vector<std::pair<std::string, double>> cases = {
-      {"0", 0.0},           {"-0", -0.0},         {"+1", 1.0},
-      {"1.", 1.0},          {".5", 0.5},          {"-.25e1", -2.5},
-      {"1e3", 1000.0},      {"1E-3", 1e-3},       {"1305031102.175304", 1305031102.175304},
-      {"1e308", 1e308},     {"5e-324", 5e-324},   {"0e999999", 0.0},
-      {"0.1", 0.1},         {"00012", 12.0},      {"123456789012345678901234567890", 1.2345678901234568e29}};
+      {"0", 0.0},
+      {"-0", -0.0},
+      {"+1", 1.0},
+      {"1.", 1.0},
+      {".5", 0.5},
+      {"-.25e1", -2.5},
+      {"1e3", 1000.0},
+      {"1E-3", 1e-3},
+      {"1305031102.175304", 1305031102.175304},
+      {"1e308", 1e308},
+      {"5e-324", 5e-324},
+      {"0e999999", 0.0},
+      {"0.1", 0.1},
+      {"00012", 12.0},
+      {"123456789012345678901234567890", 1.2345678901234568e29}};
   for (const auto& [text, expected] : cases) {
     double value = 99.0;
     EXPECT_TRUE(io_detail::parse_decimal(text, &value)) << text;
@@ -32,9 +42,10 @@ TEST(IoNumbers, AcceptsDecimalNotation) {
 
 TEST(IoNumbers, RefusesEverythingElseAndLeavesTheValueAlone) {
   for (const std::string text :
-       {"", " ", "1 ", " 1", "+", "-", ".", "e5", "1e", "1e+", "--1", "+-1", "1..2", "1.2.3", "0x10",
-        "nan", "NaN", "-nan", "inf", "-inf", "infinity", "1,5", "1_000", "12abc", "1e400", "-1e400",
-        "1e-400", "1e5.5", "\xEF\xBC\x91"}) {
+       {"",      " ",      "1 ",     " 1",    "+",           "-",     ".",     "e5",
+        "1e",    "1e+",    "--1",    "+-1",   "1..2",        "1.2.3", "0x10",  "nan",
+        "NaN",   "-nan",   "inf",    "-inf",  "infinity",    "1,5",   "1_000", "12abc",
+        "1e400", "-1e400", "1e-400", "1e5.5", "\xEF\xBC\x91"}) {
     double value = 99.0;
     EXPECT_FALSE(io_detail::parse_decimal(text, &value)) << "'" << text << "'";
     EXPECT_EQ(value, 99.0) << "'" << text << "'";
@@ -50,8 +61,8 @@ TEST(IoNumbers, StreamFallbackAgreesWithTheStandardConversion) {
     double value = 0.0;
     std::memcpy(&value, &bits, sizeof(value));
     if (!std::isfinite(value)) return;
-    for (const auto& [format, digits] : {std::pair{NumberFormat::kGeneral, 17},
-                                         std::pair{NumberFormat::kFixed, 9}}) {
+    for (const auto& [format, digits] :
+         {std::pair{NumberFormat::kGeneral, 17}, std::pair{NumberFormat::kFixed, 9}}) {
       std::string text;
       std::string stream_text;
       io_detail::append_number(value, format, digits, &text);
@@ -89,8 +100,10 @@ TEST(IoNumbers, ExactTextReadsBackTheSameBits) {
 
 TEST(IoNumbers, TimeStampsKeepSixDecimalsOrAsManyAsTheyNeed) {
   const std::vector<std::pair<double, std::string>> cases = {
-      {1305031102.175304, "1305031102.175304"}, {1548339819.87426, "1548339819.874260"},
-      {0.0, "0.000000"},                        {0.1 + 0.2, "0.30000000000000004"},
+      {1305031102.175304, "1305031102.175304"},
+      {1548339819.87426, "1548339819.874260"},
+      {0.0, "0.000000"},
+      {0.1 + 0.2, "0.30000000000000004"},
       {1403636579.763555527, "1403636579.7635555"}};
   for (const auto& [value_s, expected] : cases) {
     std::string text;

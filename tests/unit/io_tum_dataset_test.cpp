@@ -149,7 +149,8 @@ TEST_F(TumDatasetTest, GrayHasTheSameBitsInBothModes) {
     make(2, extension);
     ASSERT_TRUE(dataset_.load(1, tiny_camera(), &frame_).ok());
     EXPECT_TRUE(frame_.color.empty());
-    const cv::Mat expected = cv::imread(folder_ / tiny_color_file(1, extension), cv::IMREAD_GRAYSCALE);
+    const cv::Mat expected =
+        cv::imread(folder_ / tiny_color_file(1, extension), cv::IMREAD_GRAYSCALE);
     expect_same_gray(frame_, expected);
     options_.color_mode = ColorMode::kGrayAndColor;
     ASSERT_TRUE(open().ok());
@@ -209,8 +210,8 @@ TEST_F(TumDatasetTest, AssociationAgreesWithBruteForce) {
       std::string lines;
       for (const auto& [time_s, file] : list) {
         lines += std::to_string(static_cast<int>(time_s)) + "." +
-                 std::to_string(10000000 + static_cast<int>(std::lround(
-                                               (time_s - std::floor(time_s)) * 1e7)))
+                 std::to_string(10000000 +
+                                static_cast<int>(std::lround((time_s - std::floor(time_s)) * 1e7)))
                      .substr(1) +
                  " " + file + "\n";
       }
@@ -271,10 +272,9 @@ TEST_F(TumDatasetTest, AssociationFileReplacesTheLists) {
   TempFolder elsewhere;
   options_.association_file = elsewhere / "associations.txt";
   // The same depth twice, once far beyond the tolerance.
-  write_text(options_.association_file, "# rgb depth\r\n1000.0 " + tiny_color_file(0) +
-                                            " 1000.034 " + tiny_depth_file(1) + "\r\n1000.03 " +
-                                            tiny_color_file(1) + " 1000.034 " +
-                                            tiny_depth_file(1) + "\r\n");
+  write_text(options_.association_file,
+             "# rgb depth\r\n1000.0 " + tiny_color_file(0) + " 1000.034 " + tiny_depth_file(1) +
+                 "\r\n1000.03 " + tiny_color_file(1) + " 1000.034 " + tiny_depth_file(1) + "\r\n");
   const FileStatus status = open();
   ASSERT_TRUE(status.ok()) << status.message();
   ASSERT_EQ(dataset_.size(), 2U);
@@ -297,7 +297,8 @@ TEST_F(TumDatasetTest, AssociationFileErrors) {
     std::string reason_part;
   };
   const std::vector<Case> cases = {
-      {"1 a.png 1 b.png\n2 a.png 2\n", 2, "expected 4 columns `t_color color_file t_depth depth_file`, got 3"},
+      {"1 a.png 1 b.png\n2 a.png 2\n", 2,
+       "expected 4 columns `t_color color_file t_depth depth_file`, got 3"},
       {"1 a.png 1 b.png c.png\n", 1, "got 5"},
       {"1 a.png x b.png\n", 1, "time stamp 'x'"},
       {"1 a.png 1 ../b.png\n", 1, "leaves the dataset folder"},
@@ -367,9 +368,9 @@ TEST_F(TumDatasetTest, ListErrorsHaveFileLineAndReason) {
 
 TEST_F(TumDatasetTest, ListsWithCarriageReturnsTabsAndNamesWithDotsAreFine) {
   make(2);
-  write_text(folder_ / "rgb.txt",
-             "# c\r\n1000.0\t./" + tiny_color_file(0) + "\r\n  1000.03   rgb//" +
-                 tiny_color_file(1).substr(4) + " \r\n");
+  write_text(folder_ / "rgb.txt", "# c\r\n1000.0\t./" + tiny_color_file(0) +
+                                      "\r\n  1000.03   rgb//" + tiny_color_file(1).substr(4) +
+                                      " \r\n");
   ASSERT_TRUE(open().ok());
   EXPECT_TRUE(dataset_.load(0, tiny_camera(), &frame_).ok());
   EXPECT_TRUE(dataset_.load(1, tiny_camera(), &frame_).ok());
@@ -554,7 +555,8 @@ TEST_F(TumDatasetTest, GreyColourFilesAndAlphaAreAccepted) {
   ASSERT_TRUE(open().ok());
   cv::Mat gray(kTinyHeight_px, kTinyWidth_px, CV_8UC1);
   for (int v = 0; v < gray.rows; ++v) {
-    for (int u = 0; u < gray.cols; ++u) gray.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(5 * u + v);
+    for (int u = 0; u < gray.cols; ++u)
+      gray.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(5 * u + v);
   }
   write_image(folder_ / tiny_color_file(0), gray);
   ASSERT_TRUE(dataset_.load(0, tiny_camera(), &frame_).ok());
@@ -573,9 +575,14 @@ TEST_F(TumDatasetTest, OrientationTagsAreIgnored) {
   ASSERT_TRUE(dataset_.load(0, tiny_camera(), &frame_).ok());
   const std::vector<std::uint8_t> expected = frame_.gray.pixels;
   // An Exif segment that says "turn by 90 degrees".
-  const std::string exif("\xFF\xE1\x00\x22" "Exif\0\0" "MM\0*\0\0\0\x08" "\0\x01"
-                         "\x01\x12\0\x03\0\0\0\x01\0\x06\0\0" "\0\0\0\0",
-                         36);
+  const std::string exif(
+      "\xFF\xE1\x00\x22"
+      "Exif\0\0"
+      "MM\0*\0\0\0\x08"
+      "\0\x01"
+      "\x01\x12\0\x03\0\0\0\x01\0\x06\0\0"
+      "\0\0\0\0",
+      36);
   std::string bytes = test::read_text(path);
   bytes.insert(2, exif);
   write_text(path, bytes);

@@ -33,7 +33,8 @@ class TrajectoryWriter {
   /// Creates or truncates `path` and writes `comment` as leading `#` lines (empty: none).
   FileStatus open(const std::string& path, const std::string& comment);
   /// Refuses (kInvalidArgument, nothing written, the writer stays usable) a pose that
-  /// read_trajectory() would not take back: not finite, not rigid, or not later than the one before.
+  /// read_trajectory() would not take back: not finite, not rigid, or not later than the one
+  /// before.
   FileStatus append(const StampedPose& pose);
   /// Success also when open() was never called or close() was called before.
   FileStatus close();

@@ -68,9 +68,9 @@ struct LoadedFrame {
 class TumDataset {
  public:
   /// Reads and associates the lists. Missing or empty lists, malformed lines, repeated or
-  /// decreasing time stamps, and image paths that are absolute, climb with `..`, or hold white space
-  /// or backslashes fail with file, line and reason; `dataset` is then left empty. (Only the text of
-  /// a path is checked; links in the folder are followed.)
+  /// decreasing time stamps, and image paths that are absolute, climb with `..`, or hold white
+  /// space or backslashes fail with file, line and reason; `dataset` is then left empty. (Only the
+  /// text of a path is checked; links in the folder are followed.)
   static FileStatus open(const std::string& folder, const TumDatasetOptions& options,
                          TumDataset* dataset);
 

@@ -44,7 +44,7 @@ struct KeyframeOptions {
 struct MappingOptions {
   int window_size = 10;          ///< keyframes adjusted together, >= 2
   int max_fixed_keyframes = 20;  ///< neighbours that hold them in place, >= 0
-  int max_iterations = 5;        ///< of the solver, in each of two passes
+  int max_iterations = 8;        ///< of the solver
   int max_keyframes = 200;       ///< in the map; beyond it the most redundant one leaves, >= 3
   int apply_after_frames = 3;    ///< frames from an insertion to the use of its adjustment, >= 0
   double redundant_share = 0.9;  ///< of a keyframe's points seen by others: it leaves, (0, 1]

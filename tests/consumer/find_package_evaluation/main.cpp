@@ -19,8 +19,7 @@ int main() {
   const double rigid =
       srslam::absolute_trajectory_error(reference, estimate, options).translation_m.rmse;
   options.alignment = srslam::Alignment::kSim3;
-  const srslam::AteResult similar =
-      srslam::absolute_trajectory_error(reference, estimate, options);
+  const srslam::AteResult similar = srslam::absolute_trajectory_error(reference, estimate, options);
   std::printf("rmse: SE(3) %g m, Sim(3) %g m at scale %g\n", rigid, similar.translation_m.rmse,
               similar.scale);
   const bool right = similar.status.ok() && similar.translation_m.rmse < 1e-9 &&
