@@ -12,6 +12,8 @@
 #include <system_error>
 #include <thread>
 
+#include "cli/number_text.hpp"
+
 namespace srslam::cli {
 namespace {
 
@@ -94,7 +96,7 @@ std::string run_child_process(const std::vector<std::string>& arguments,
   ::kill(-child, SIGKILL);
   while (::waitpid(child, &wait_status, 0) < 0 && errno == EINTR) {
   }
-  return program + " did not end within " + std::to_string(static_cast<int>(timeout_s)) + " s";
+  return program + " did not end within " + shortest_text(timeout_s) + " s";
 }
 
 }  // namespace srslam::cli

@@ -176,7 +176,7 @@ std::string map_view(const TrajectoryPlot& plot) {
       "set palette defined (0 '#0d0887', 0.25 '#5d01a6', 0.5 '#b12a90', 0.75 '#e16462', "
       "1 '#fca636')\n";
   script += "set cbrange [0:" + number(max_color_value > 0.0 ? max_color_value : 1.0) + "]\n";
-  script += "set cblabel " + quoted(plot.color_label) + "\n";
+  script += "set cblabel " + quoted(plot.color_label) + " offset 1.2,0\n";
   script += "set colorbox user origin " + number(kMapBox.right + 0.014) + "," +
             number(kMapBox.bottom) + " size 0.013," + number(kMapBox.top - kMapBox.bottom) + "\n";
   script += "set key at screen " + number(kMapBox.right) + "," + number(kMapBox.top + 0.075) +

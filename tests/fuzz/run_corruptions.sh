@@ -6,8 +6,8 @@
 #
 #   run_corruptions.sh build/release/bin/srslam ~/data/fr1_xyz 100 --camera tum_fr1 --max-frames 60
 #
-# A run passes when it ends in time without a signal, and, if its exit code is not 0, with a reason
-# on stderr; if it is 0, with a trajectory that holds numbers only. Damaged copies of the runs that
+# A run passes when it ends in time without a signal, and, if its exit code is not 0, with a line
+# `error: <reason>` on stderr; if it is 0, with a trajectory that holds numbers only. Damaged copies of the runs that
 # fail are kept. The exit code is 0 when every run passes.
 #
 # Environment: TIMEOUT_S seconds a run (default 120), FIRST_SEED (default 1), CXX compiler for the
@@ -69,12 +69,14 @@ for ((seed = first_seed; seed < first_seed + count; ++seed)); do
   elif grep -qE 'Sanitizer|runtime error:' "$log.err"; then
     problem="a sanitizer reported an error"
   elif [ "$code" -ne 0 ]; then
-    if ! grep -q '[^[:space:]]' "$log.err"; then problem="exit code $code without a reason"; fi
+    if ! grep -qi 'error: *[^[:space:]]' "$log.err"; then
+      problem="exit code $code without a reason"
+    fi
     refused=$((refused + 1))
   else
     if [ ! -f "$output/trajectory.txt" ]; then
       problem="exit code 0 without trajectory.txt"
-    elif grep -v '^#' "$output/trajectory.txt" | grep -qi '[ni][an][nf]'; then
+    elif grep -v '^#' "$output/trajectory.txt" | grep -qiE 'nan|inf'; then
       problem="trajectory.txt holds NaN or infinity"
     fi
     accepted=$((accepted + 1))
@@ -82,7 +84,7 @@ for ((seed = first_seed; seed < first_seed + count; ++seed)); do
   if [ -n "$problem" ]; then
     failed=$((failed + 1))
     printf 'seed %d: %s\n' "$seed" "$problem"
-    printf '  %s\n' "$damages"
+    printf '  %s\n' "${damages//$'\n'/$'\n'  }"
     tail -n 5 "$log.err" | sed 's/^/  stderr: /'
   else
     rm -rf "$copy" "$output" "$log.out" "$log.err"

@@ -84,6 +84,7 @@ std::vector<Match> settle(const std::vector<Claim>& claims) {
     if (it == winner.end() || claim.distance < it->second.distance) winner[claim.feature] = claim;
   }
   std::vector<Match> matches;
+  matches.reserve(winner.size());
   for (const auto& [feature, claim] : winner) {
     matches.push_back({claim.candidate, static_cast<std::int32_t>(feature), claim.distance});
   }
@@ -108,6 +109,7 @@ void keep_common_turns(const FeatureFrame& frame, const std::vector<MatchCandida
     if (bin_of(match) >= 0) ++count[static_cast<std::size_t>(bin_of(match))];
   }
   std::vector<std::pair<int, int>> fullest;
+  fullest.reserve(30);
   for (int bin = 0; bin < 30; ++bin)
     fullest.emplace_back(-count[static_cast<std::size_t>(bin)], bin);
   std::sort(fullest.begin(), fullest.end());

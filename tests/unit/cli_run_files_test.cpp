@@ -121,7 +121,7 @@ TEST(ChildProcess, TellsHowItEnded) {
   EXPECT_EQ(run({"sh", "-c", "kill -9 $$"}), "sh was ended by signal 9");
   EXPECT_EQ(run({"no_such_program_anywhere"}),
             "no_such_program_anywhere cannot be started: No such file or directory");
-  EXPECT_EQ(run({"sleep", "30"}, 0.2), "sleep did not end within 0 s");
+  EXPECT_EQ(run({"sleep", "30"}, 0.2), "sleep did not end within 0.2 s");
   // Arguments reach the program as they are, and it works in the folder that was given.
   EXPECT_EQ(run({"printf", "%s", "$(touch x); `touch y`"}), "");
   EXPECT_EQ(read_text(log), "$(touch x); `touch y`");

@@ -231,7 +231,16 @@ TEST(OrbExtractor, StrongTextureInOneCornerDoesNotStarveTheRest) {
         image.view()(u, v) = static_cast<std::uint8_t>(128 + (strong ? value : value * 15 / 100));
       }
     }
-    const OrbFeatures features = extract(image);
+    // Slightly out of focus: on hard edges neighbours score alike and FAST takes none of them.
+    Image soft = image;
+    for (int v = 1; v < 479; ++v) {
+      for (int u = 1; u < 639; ++u) {
+        int sum = 0;
+        for (int k = 0; k < 9; ++k) sum += image.view()(u + k % 3 - 1, v + k / 3 - 1);
+        soft.view()(u, v) = static_cast<std::uint8_t>(sum / 9);
+      }
+    }
+    const OrbFeatures features = extract(soft);
     EXPECT_GT(features.features.size(), 900U);
     std::array<int, 4> per_quadrant{};
     for (const Feature& feature : features.features) {
