@@ -6,8 +6,8 @@
 #   scripts/tidy.sh FILE...    on these
 #
 # The base is the commit in SRSLAM_TIDY_BASE; else where this branch left the branch it is to be
-# merged into (origin/HEAD, origin/main or main); else, on that branch itself, its last merge; without
-# any of them, everything is checked. A changed public header is checked through the generated
+# merged into (origin/HEAD, origin/main or main); else, on that branch itself, the commit in
+# .ci/tidy_base, up to which everything has been checked; without any of them, everything is checked. A changed public header is checked through the generated
 # translation unit that includes it alone, a changed private header through the sources that
 # include it. Needs a build in build/release.
 set -euo pipefail
@@ -38,10 +38,8 @@ find_base() {
       return
     fi
   done
-  base=$(git rev-list --merges --max-count=1 HEAD)
-  if [[ $base == "$head" ]]; then
-    git rev-parse "HEAD^1"
-  else
+  base=$(cat .ci/tidy_base 2>/dev/null || true)
+  if [[ -n $base ]] && git merge-base --is-ancestor "$base" HEAD 2>/dev/null; then
     echo "$base"
   fi
 }

@@ -205,7 +205,7 @@ class Run {
                           ? FileStatus::failure(StatusCode::kInsufficientData, picture_file, 0,
                                                 "nothing was tracked")
                           : write_trajectory_plot(make_run_plot(inputs_, result_), picture_file);
-    if (!result_.picture.ok()) {
+    if (!result_.picture.ok() && !result_.trajectory.empty()) {
       warn("the picture is not written: " + result_.picture.message());
     }
     require_written(

@@ -58,9 +58,8 @@ std::vector<TrajectoryMatch> greedy(const Trajectory& reference, const Trajector
 /// Sorted different multiples of `step_s` after `start_s`.
 Trajectory random_times(test::Rng& rng, int max_size, double start_s, double step_s,
                         int max_steps) {
-  std::vector<int> steps;
-  const int size = rng.uniform_int(1, max_size);
-  for (int i = 0; i < size; ++i) steps.push_back(rng.uniform_int(0, max_steps));
+  std::vector<int> steps(static_cast<std::size_t>(rng.uniform_int(1, max_size)));
+  for (int& step : steps) step = rng.uniform_int(0, max_steps);
   std::sort(steps.begin(), steps.end());
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
   Trajectory trajectory;

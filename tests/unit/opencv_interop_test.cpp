@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -9,7 +10,7 @@ namespace srslam {
 namespace {
 
 TEST(AsMat, SharesPixelsAndKeepsTheStride) {
-  std::vector<std::uint16_t> pixels(5 * 8);
+  std::vector<std::uint16_t> pixels(std::size_t{5} * 8);
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint16_t>(i);
   // Six of eight columns, four of five rows.
   const ImageView<std::uint16_t> view(pixels.data() + 8 + 1, 6, 4, 8 * sizeof(std::uint16_t));

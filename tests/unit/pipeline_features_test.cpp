@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <iostream>
 #include <limits>
 #include <set>
@@ -221,7 +222,7 @@ TEST(OrbExtractor, StrongTextureInOneCornerDoesNotStarveTheRest) {
   for_each_seed(3, [](Rng& rng) {
     Image image;
     image.resize(640, 480);
-    std::vector<int> cells(160 * 120);
+    std::vector<int> cells(std::size_t{160} * 120);
     for (int& cell : cells) cell = rng.uniform_int(-100, 100);
     for (int v = 0; v < 480; ++v) {
       for (int u = 0; u < 640; ++u) {
@@ -256,7 +257,7 @@ TEST(OrbExtractor, TakesNothingWhereTheMaskIsZero) {
   for_each_seed(4, [&](Rng& rng) {
     Image mask;
     mask.resize(640, 480);
-    std::vector<std::uint8_t> blocks(32 * 24);
+    std::vector<std::uint8_t> blocks(std::size_t{32} * 24);
     for (std::uint8_t& block : blocks) block = rng.coin() ? 0 : 255;
     for (int v = 0; v < 480; ++v) {
       for (int u = 0; u < 640; ++u) {
@@ -372,8 +373,9 @@ TEST(OrbExtractor, DependsOnNothingButTheImage) {
   EXPECT_TRUE(same(first, extract(image)));
   EXPECT_TRUE(same(between, extract(small)));
   // Rows further apart than they are long.
-  std::vector<std::uint8_t> padded(800 * 480, 77);
-  for (int v = 0; v < 480; ++v) std::copy_n(image.view().row(v), 640, padded.data() + 800 * v + 9);
+  std::vector<std::uint8_t> padded(std::size_t{800} * 480, 77);
+  for (int v = 0; v < 480; ++v)
+    std::copy_n(image.view().row(v), 640, padded.data() + std::ptrdiff_t{800} * v + 9);
   extractor.extract(ImageView<const std::uint8_t>(padded.data() + 9, 640, 480, 800), {}, &second);
   EXPECT_TRUE(same(first, second));
 }
