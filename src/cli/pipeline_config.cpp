@@ -152,7 +152,7 @@ const std::vector<PipelineOption>& pipeline_option_table() {
        "keyframes", "neighbours that hold them in place, at most"},
       {"mapping.max_iterations",
        IntOption{[](O& o) -> int& { return o.mapping.max_iterations; }, 1, 1000}, "",
-       "of bundle adjustment, in each of its two passes"},
+       "of bundle adjustment, at most"},
       {"mapping.max_keyframes",
        IntOption{[](O& o) -> int& { return o.mapping.max_keyframes; }, 3, kManyFrames}, "keyframes",
        "in the map; beyond it the most redundant one leaves"},
