@@ -60,6 +60,7 @@ int main() {
 
   srslam::RpeOptions per_second;
   per_second.unit = srslam::RpeDelta::kSeconds;
+  per_second.relative_delta_tolerance = 0.05;  // at 10 Hz: no pair of 0.9 s or 1.1 s
   const srslam::RpeResult rpe = srslam::relative_pose_error(reference, estimate, per_second);
   if (!rpe.status.ok()) {
     std::printf("no relative error: %s\n", rpe.status.reason);

@@ -157,7 +157,7 @@ const std::vector<PipelineOption>& pipeline_option_table() {
        IntOption{[](O& o) -> int& { return o.mapping.max_keyframes; }, 3, kManyFrames}, "keyframes",
        "in the map; beyond it the most redundant one leaves"},
       {"mapping.apply_after_frames",
-       IntOption{[](O& o) -> int& { return o.mapping.apply_after_frames; }, 0, kManyFrames},
+       IntOption{[](O& o) -> int& { return o.mapping.apply_after_frames; }, 1, kManyFrames},
        "frames", "from a keyframe to the use of its bundle adjustment"},
       {"mapping.redundant_share",
        RealOption{[](O& o) -> double& { return o.mapping.redundant_share; }, 0.0, 1.0, true}, "",

@@ -26,7 +26,7 @@ struct BundleProblem {
     std::int32_t landmark = -1;
     Measurement measurement;
     double inverse_sigma = 1.0;
-    bool inlier = true;    ///< result
+    bool inlier = true;  ///< result
   };
   std::vector<View> views;
   std::vector<Landmark> landmarks;

@@ -38,7 +38,7 @@ struct Measurement {
 struct TrackingCamera {
   PinholeCamera distorted;  ///< as given
   double fx = 0, fy = 0, cx = 0, cy = 0;
-  double baseline_fx = 0;  ///< virtual stereo baseline times fx [m px]
+  double baseline_fx = 0;                             ///< virtual stereo baseline times fx [m px]
   double min_u = 0, max_u = 0, min_v = 0, max_v = 0;  ///< undistorted image area
   std::vector<float> level_scales;
   double log_scale_factor = 0;
@@ -80,12 +80,8 @@ class FeatureFrame {
  private:
   static constexpr int kBucketCols = 64;
   static constexpr int kBucketRows = 48;
-  int bucket_col(double u) const {
-    return static_cast<int>((u - min_u_) * cols_per_px_);
-  }
-  int bucket_row(double v) const {
-    return static_cast<int>((v - min_v_) * rows_per_px_);
-  }
+  int bucket_col(double u) const { return static_cast<int>((u - min_u_) * cols_per_px_); }
+  int bucket_row(double v) const { return static_cast<int>((v - min_v_) * rows_per_px_); }
 
   double min_u_ = 0, min_v_ = 0, cols_per_px_ = 0, rows_per_px_ = 0;
   std::vector<std::int32_t> bucket_begin_;

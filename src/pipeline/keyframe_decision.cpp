@@ -14,8 +14,7 @@ KeyframeDecision decide_keyframe(const KeyframeEvidence& evidence, const Keyfram
   if (!weakened && !needs_close) return {false, "reference still well tracked"};
 
   const bool long_ago = evidence.frames_since_last >= options.max_frames;
-  const bool mapper_free =
-      evidence.frames_since_last >= options.min_frames && evidence.mapper_idle;
+  const bool mapper_free = evidence.frames_since_last >= options.min_frames && evidence.mapper_idle;
   const bool urgent =
       evidence.num_tracked_well_observed < options.weak_ratio * evidence.num_reference_points ||
       needs_close;

@@ -11,8 +11,8 @@ struct KeyframeEvidence {
   int num_inliers = 0;
   int num_tracked_well_observed = 0;  ///< inliers whose point several views constrain
   int num_reference_points = 0;       ///< points of the reference keyframe that several do
-  int num_tracked_close = 0;     ///< inliers nearer than close_depth_m
-  int num_untracked_close = 0;   ///< features nearer than close_depth_m without a point
+  int num_tracked_close = 0;          ///< inliers nearer than close_depth_m
+  int num_untracked_close = 0;        ///< features nearer than close_depth_m without a point
   int num_keyframes = 0;
 };
 

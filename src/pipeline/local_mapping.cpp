@@ -96,7 +96,7 @@ std::int32_t LocalMapper::insert(double timestamp_s, const Pose& T_world_camera,
 
   build_problem(index);
   pending_ = true;
-  frames_until_applied_ = std::max(options_.mapping.apply_after_frames, 1);
+  frames_until_applied_ = options_.mapping.apply_after_frames;
   const auto solve = [this] {
     solve_bundle(map_->camera(), options_.mapping.max_iterations, &problem_);
   };
@@ -184,9 +184,9 @@ void LocalMapper::fuse_into(const std::vector<PointHandle>& points, std::int32_t
     keyframe.frame.for_each_near(
         predicted.x(), predicted.y(), radius_px, octave - 1, octave, [&](std::size_t feature) {
           const Measurement& measurement = keyframe.frame.measurements[feature];
-          const double sigma =
-              double(camera.level_scales[static_cast<std::size_t>(
-                  keyframe.frame.features[feature].octave)]);
+          const double sigma = double(
+              camera
+                  .level_scales[static_cast<std::size_t>(keyframe.frame.features[feature].octave)]);
           double squared = (measurement.pixel - predicted.head<2>()).squaredNorm();
           double gate = kChi2Pixel;
           if (measurement.has_depth()) {
@@ -203,8 +203,7 @@ void LocalMapper::fuse_into(const std::vector<PointHandle>& points, std::int32_t
           }
         });
     if (best_feature < 0) continue;
-    const PointHandle present =
-        keyframe.frame.points[static_cast<std::size_t>(best_feature)];
+    const PointHandle present = keyframe.frame.points[static_cast<std::size_t>(best_feature)];
     const MapPoint* other = map_->point(present);
     if (other == nullptr) {
       map_->add_observation(handle, index, best_feature);
@@ -269,10 +268,9 @@ void LocalMapper::cull_keyframes() {
   const auto may_leave = [&](std::int32_t index) { return index > 0 && index != newest_keyframe_; };
   const Keyframe* newest = map_->keyframe(newest_keyframe_);
   map_->count_shared(newest->frame.points, newest_keyframe_, &neighbours_);
-  std::sort(neighbours_.begin(), neighbours_.end(),
-            [](const Map::Neighbour& a, const Map::Neighbour& b) {
-              return a.keyframe < b.keyframe;
-            });
+  std::sort(
+      neighbours_.begin(), neighbours_.end(),
+      [](const Map::Neighbour& a, const Map::Neighbour& b) { return a.keyframe < b.keyframe; });
   const std::vector<Map::Neighbour> neighbours = neighbours_;
   for (const Map::Neighbour& neighbour : neighbours) {
     if (!may_leave(neighbour.keyframe)) continue;
@@ -353,9 +351,8 @@ void LocalMapper::build_problem(std::int32_t index) {
       edge.view = view;
       edge.landmark = landmark;
       edge.measurement = keyframe.frame.measurements[feature];
-      edge.inverse_sigma =
-          1.0 / double(camera.level_scales[static_cast<std::size_t>(
-                    keyframe.frame.features[feature].octave)]);
+      edge.inverse_sigma = 1.0 / double(camera.level_scales[static_cast<std::size_t>(
+                                     keyframe.frame.features[feature].octave)]);
       problem_.edges.push_back(edge);
       used = true;
     }

@@ -35,8 +35,7 @@ void Map::remove_keyframe(std::int32_t index) {
   if (parent < 0) {
     // Nothing shared: the nearest in time still moves with the same part of the map.
     for (const std::int32_t other : alive_keyframes_) {
-      if (other != index &&
-          (parent < 0 || std::abs(other - index) < std::abs(parent - index))) {
+      if (other != index && (parent < 0 || std::abs(other - index) < std::abs(parent - index))) {
         parent = other;
       }
     }
@@ -47,12 +46,10 @@ void Map::remove_keyframe(std::int32_t index) {
   }
   Stand& stand = stands_[static_cast<std::size_t>(index)];
   stand.parent = parent;
-  stand.T_parent_self =
-      keyframes_[static_cast<std::size_t>(parent)]->T_world_camera.inverse() *
-      keyframe.T_world_camera;
+  stand.T_parent_self = keyframes_[static_cast<std::size_t>(parent)]->T_world_camera.inverse() *
+                        keyframe.T_world_camera;
   keyframes_[static_cast<std::size_t>(index)].reset();
-  alive_keyframes_.erase(
-      std::find(alive_keyframes_.begin(), alive_keyframes_.end(), index));
+  alive_keyframes_.erase(std::find(alive_keyframes_.begin(), alive_keyframes_.end(), index));
 }
 
 Pose Map::T_world_keyframe(std::int32_t index) const {
@@ -172,8 +169,7 @@ void Map::refresh_point_geometry(MapPoint* refreshed) const {
   // The newest observation gives the scale: it is the one that tracking will compare with.
   const Observation& newest = refreshed->observations.back();
   const Keyframe& observer = *keyframe(newest.keyframe);
-  const double distance_m =
-      (refreshed->position_m - observer.T_world_camera.translation()).norm();
+  const double distance_m = (refreshed->position_m - observer.T_world_camera.translation()).norm();
   const auto octave = static_cast<std::size_t>(
       observer.frame.features[static_cast<std::size_t>(newest.feature)].octave);
   refreshed->max_distance_m = distance_m * double(camera_.level_scales[octave]);

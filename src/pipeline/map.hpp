@@ -18,8 +18,8 @@ struct Observation {
 
 /// A triangulated corner of the world.
 struct MapPoint {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();   ///< world
-  Eigen::Vector3d mean_direction = Eigen::Vector3d::Zero();///< unit, from cameras to the point
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();      ///< world
+  Eigen::Vector3d mean_direction = Eigen::Vector3d::Zero();  ///< unit, from cameras to the point
   double min_distance_m = 0.0;  ///< range in which the pyramid can show it
   double max_distance_m = 0.0;
   BinaryDescriptor descriptor{};
@@ -56,8 +56,7 @@ class Map {
   const Keyframe* keyframe(std::int32_t index) const {
     return keyframes_[static_cast<std::size_t>(index)].get();
   }
-  Keyframe* add_keyframe(double timestamp_s, const Pose& T_world_camera,
-                         const FeatureFrame& frame);
+  Keyframe* add_keyframe(double timestamp_s, const Pose& T_world_camera, const FeatureFrame& frame);
   /// Its points lose their observations; points left without any leave the map.
   void remove_keyframe(std::int32_t index);
   /// Pose of any keyframe that ever was, carried along with the living one that replaced it.

@@ -88,8 +88,8 @@ void match_by_projection(const TrackingCamera& camera, const FeatureFrame& frame
     if (point_camera_m.z() <= 0.0) continue;
     const Eigen::Vector3d predicted = camera.project(point_camera_m);
     if (!camera.in_image(predicted.x(), predicted.y())) continue;
-    const double scale =
-        double(camera.level_scales[static_cast<std::size_t>(std::min(candidate.octave, last_level))]);
+    const double scale = double(
+        camera.level_scales[static_cast<std::size_t>(std::min(candidate.octave, last_level))]);
     const double radius_px = candidate.radius_px * scale;
     Match best;
     int second_distance = 256;
@@ -129,16 +129,14 @@ void match_by_projection(const TrackingCamera& camera, const FeatureFrame& frame
 }
 
 void match_by_descriptor(const FeatureFrame& frame, const std::vector<MatchCandidate>& candidates,
-                         double max_ratio, MatchWorkspace* workspace,
-                         std::vector<Match>* matches) {
+                         double max_ratio, MatchWorkspace* workspace, std::vector<Match>* matches) {
   matches->clear();
   workspace->match_of_feature.assign(frame.size(), -1);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Match best;
     int second_distance = 256;
     for (std::size_t feature = 0; feature < frame.size(); ++feature) {
-      const int distance =
-          hamming_distance(candidates[i].descriptor, frame.descriptors[feature]);
+      const int distance = hamming_distance(candidates[i].descriptor, frame.descriptors[feature]);
       if (distance < best.distance) {
         second_distance = best.distance;
         best.distance = distance;

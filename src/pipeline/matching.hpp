@@ -18,8 +18,8 @@ struct MatchCandidate {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   BinaryDescriptor descriptor{};
   PointHandle handle;
-  int octave = 0;          ///< level at which it is expected
-  float angle_rad = -1.0F; ///< orientation when last seen, < 0: unknown
+  int octave = 0;           ///< level at which it is expected
+  float angle_rad = -1.0F;  ///< orientation when last seen, < 0: unknown
   double radius_px = 15.0;  ///< searched around its projection, at level 0; grows with the level
 };
 
@@ -31,9 +31,9 @@ struct Match {
 };
 
 struct ProjectionMatchOptions {
-  int levels_below = 1;     ///< levels searched below the expected one ...
-  int levels_above = 1;     ///< ... and above
-  double max_ratio = 1.0;   ///< best distance / second best of the same level, 1 accepts all
+  int levels_below = 1;    ///< levels searched below the expected one ...
+  int levels_above = 1;    ///< ... and above
+  double max_ratio = 1.0;  ///< best distance / second best of the same level, 1 accepts all
   bool check_rotation = true;
 };
 

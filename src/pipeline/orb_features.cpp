@@ -108,7 +108,8 @@ OrbExtractor::OrbExtractor(const FeatureOptions& options) : impl_(std::make_uniq
   int assigned = 0;
   for (std::size_t i = 0; i < num_levels; ++i) {
     const bool last = i + 1 == num_levels;
-    const int wanted = last ? options.num_features - assigned : static_cast<int>(std::lround(share));
+    const int wanted =
+        last ? options.num_features - assigned : static_cast<int>(std::lround(share));
     impl_->levels[i].num_wanted = std::max(wanted, 0);
     assigned += wanted;
     impl_->scales[i] = static_cast<float>(scale);
@@ -127,7 +128,8 @@ const std::vector<float>& OrbExtractor::level_scales() const { return impl_->sca
 void OrbExtractor::Impl::build_pyramid(const cv::Mat& gray) {
   levels[0].image = gray;
   for (std::size_t i = 1; i < levels.size(); ++i) {
-    const cv::Size size(cvRound(float(gray.cols) / scales[i]), cvRound(float(gray.rows) / scales[i]));
+    const cv::Size size(cvRound(float(gray.cols) / scales[i]),
+                        cvRound(float(gray.rows) / scales[i]));
     if (size.width <= 2 * kBorder + kFastMargin || size.height <= 2 * kBorder + kFastMargin) {
       levels[i].image.release();  // too small for a patch: this and coarser levels stay empty
       continue;
@@ -231,8 +233,8 @@ void OrbExtractor::Impl::choose_evenly(const cv::Mat& image, int num_wanted) {
     for (std::size_t cell = 0; cell < num_cells; ++cell) {
       const int index = cell_begin[cell] + round;
       if (index < cell_begin[cell + 1]) {
-        chosen.push_back(candidates[static_cast<std::size_t>(
-            cell_order[static_cast<std::size_t>(index)])]);
+        chosen.push_back(
+            candidates[static_cast<std::size_t>(cell_order[static_cast<std::size_t>(index)])]);
       }
     }
     if (static_cast<int>(chosen.size()) > num_wanted) {

@@ -29,8 +29,8 @@ class OrbExtractor {
 
   /// `mask` may be empty; else it has the size of `gray` and no feature is taken where it is 0.
   /// Output is ordered by level, then by cell, and depends on nothing but the input.
-  void extract(const ImageView<const std::uint8_t>& gray,
-               const ImageView<const std::uint8_t>& mask, OrbFeatures* output);
+  void extract(const ImageView<const std::uint8_t>& gray, const ImageView<const std::uint8_t>& mask,
+               OrbFeatures* output);
 
   /// Size of a pixel of `octave` in pixels of level 0.
   const std::vector<float>& level_scales() const;

@@ -21,8 +21,7 @@ Status PipelineOptions::validate() const noexcept {
   if (features.fast_threshold < 1 || features.fast_threshold > 255) {
     return bad("features.fast_threshold must be in 1..255");
   }
-  if (features.min_fast_threshold < 1 ||
-      features.min_fast_threshold > features.fast_threshold) {
+  if (features.min_fast_threshold < 1 || features.min_fast_threshold > features.fast_threshold) {
     return bad("features.min_fast_threshold must be in 1..features.fast_threshold");
   }
   if (tracking.min_inliers < 4) return bad("tracking.min_inliers must be at least 4");
@@ -57,9 +56,7 @@ Status PipelineOptions::validate() const noexcept {
   }
   if (mapping.max_iterations < 1) return bad("mapping.max_iterations must be at least 1");
   if (mapping.max_keyframes < 3) return bad("mapping.max_keyframes must be at least 3");
-  if (mapping.apply_after_frames < 0) {
-    return bad("mapping.apply_after_frames must not be negative");
-  }
+  if (mapping.apply_after_frames < 1) return bad("mapping.apply_after_frames must be at least 1");
   if (!share(mapping.redundant_share)) return bad("mapping.redundant_share must be in (0, 1]");
   if (num_threads < 1 || num_threads > 2) return bad("num_threads must be 1 or 2");
   return Status::success();

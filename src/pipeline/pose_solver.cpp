@@ -122,8 +122,8 @@ PoseSolution solve_pose(const TrackingCamera& camera, const Pose& T_world_camera
   PoseSolution solution;
   solution.T_world_camera = T_world_camera_guess;
   if (observations->size() < 3) {
-    solution.status = Status::failure(StatusCode::kInsufficientData,
-                                      "a pose needs at least three observations");
+    solution.status =
+        Status::failure(StatusCode::kInsufficientData, "a pose needs at least three observations");
     return solution;
   }
   for (PoseObservation& observation : *observations) observation.inlier = true;
@@ -134,8 +134,8 @@ PoseSolution solve_pose(const TrackingCamera& camera, const Pose& T_world_camera
     double damping = 1e-6;
     for (int iteration = 0; iteration < kIterationsPerRound; ++iteration) {
       if (equations.num_used < 3) {
-        solution.status = Status::failure(StatusCode::kInsufficientData,
-                                          "fewer than three inliers are left");
+        solution.status =
+            Status::failure(StatusCode::kInsufficientData, "fewer than three inliers are left");
         solution.num_inliers = 0;
         return solution;
       }
@@ -143,8 +143,8 @@ PoseSolution solve_pose(const TrackingCamera& camera, const Pose& T_world_camera
       damped.diagonal() *= 1.0 + damping;
       const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> factor(damped);
       if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-9)) {
-        solution.status = Status::failure(StatusCode::kDegenerate,
-                                          "the observations do not determine a pose");
+        solution.status =
+            Status::failure(StatusCode::kDegenerate, "the observations do not determine a pose");
         return solution;
       }
       const Eigen::Matrix<double, 6, 1> step = -factor.solve(equations.gradient);
@@ -152,8 +152,8 @@ PoseSolution solve_pose(const TrackingCamera& camera, const Pose& T_world_camera
       const NormalEquations next = build(camera, stepped, *observations, robust);
       // Points that a step pushes behind the camera leave the sum; that is no improvement.
       if (next.num_used >= equations.num_used && next.cost <= equations.cost) {
-        const bool converged = step.norm() < kMinStep ||
-                               equations.cost - next.cost < 1e-6 * equations.cost;
+        const bool converged =
+            step.norm() < kMinStep || equations.cost - next.cost < 1e-6 * equations.cost;
         solution.T_world_camera = stepped;
         equations = next;
         damping = std::max(damping * 0.1, 1e-9);

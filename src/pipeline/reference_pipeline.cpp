@@ -68,8 +68,8 @@ Status ReferencePipeline::Impl::check(const PipelineFrame& input) const {
   if (!input.depth_m.validate().ok()) return bad("the depth image is empty or malformed");
   if (!has_camera_size(input.gray)) return bad("the grey image is not of the camera's size");
   if (!has_camera_size(input.depth_m)) return bad("the depth image is not of the camera's size");
-  if (!input.feature_mask.empty() && (!input.feature_mask.validate().ok() ||
-                                      !has_camera_size(input.feature_mask))) {
+  if (!input.feature_mask.empty() &&
+      (!input.feature_mask.validate().ok() || !has_camera_size(input.feature_mask))) {
     return bad("the feature mask is not of the camera's size");
   }
   if (!std::isfinite(input.timestamp_s)) return bad("the time stamp is not finite");
@@ -172,8 +172,8 @@ void ReferencePipeline::Impl::track(const PipelineFrame& input, PipelineResult* 
   std::int32_t reference = outcome.reference_keyframe;
   Pose T_world_camera = outcome.T_world_camera;
   const detail::KeyframeDecision decision =
-      detail::decide_keyframe(keyframe_evidence(reference, outcome.num_inliers),
-                              options.keyframes, options.tracking.min_inliers);
+      detail::decide_keyframe(keyframe_evidence(reference, outcome.num_inliers), options.keyframes,
+                              options.tracking.min_inliers);
   result->keyframe_reason = decision.reason;
   if (decision.insert) insert_keyframe(input, &T_world_camera, &reference, result);
   tracked_poses.push_back(
@@ -228,9 +228,8 @@ PipelineResult ReferencePipeline::process(const PipelineFrame& input) {
   result.num_map_points = static_cast<int>(impl.map.num_points());
   result.times.bundle_adjustment_ms = impl.mapper.take_solve_ms();
   // A tracked frame has been swapped into the tracker, a lost one is still here.
-  const FeatureFrame& seen = result.state == TrackingState::kTracked
-                                 ? impl.tracker.last_frame()
-                                 : impl.frame;
+  const FeatureFrame& seen =
+      result.state == TrackingState::kTracked ? impl.tracker.last_frame() : impl.frame;
   result.features = seen.features;
   result.labels = impl.labels;
   result.times.total_ms = total.lap_ms();
@@ -256,8 +255,8 @@ Trajectory ReferencePipeline::optimized_trajectory() const {
   if (impl_ == nullptr) return trajectory;
   trajectory.reserve(impl_->tracked_poses.size());
   for (const Impl::TrackedPose& pose : impl_->tracked_poses) {
-    trajectory.push_back({pose.timestamp_s,
-                          impl_->map.T_world_keyframe(pose.keyframe) * pose.T_keyframe_camera});
+    trajectory.push_back(
+        {pose.timestamp_s, impl_->map.T_world_keyframe(pose.keyframe) * pose.T_keyframe_camera});
   }
   return trajectory;
 }

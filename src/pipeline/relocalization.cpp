@@ -66,9 +66,9 @@ Relocalization Relocalizer::find(const Map& map, std::int32_t last_keyframe,
                                  const std::vector<std::uint8_t>& thumbnail, FeatureFrame* frame) {
   std::vector<std::pair<double, std::int32_t>> ranked;
   for (const std::int32_t index : map.keyframe_indices()) {
-    const double similarity =
-        index == last_keyframe ? 2.0
-                               : thumbnail_similarity(thumbnail, map.keyframe(index)->thumbnail);
+    const double similarity = index == last_keyframe
+                                  ? 2.0
+                                  : thumbnail_similarity(thumbnail, map.keyframe(index)->thumbnail);
     ranked.emplace_back(-similarity, -index);  // newest first among equals
   }
   std::sort(ranked.begin(), ranked.end());
@@ -78,8 +78,8 @@ Relocalization Relocalizer::find(const Map& map, std::int32_t last_keyframe,
       Status::failure(StatusCode::kNotFound, "no keyframe shows enough of the same points");
   for (const auto& [rank, negative_index] : ranked) {
     const std::int32_t index = -negative_index;
-    const std::uint32_t seed = options_.tracking.seed + 7919U * frame_number +
-                               104729U * static_cast<std::uint32_t>(index);
+    const std::uint32_t seed =
+        options_.tracking.seed + 7919U * frame_number + 104729U * static_cast<std::uint32_t>(index);
     if (find_in(map, index, seed, frame, &result)) {
       result.keyframe = index;
       result.status = Status::success();
@@ -109,8 +109,7 @@ bool Relocalizer::align_by_samples(const Map& map, const FeatureFrame& frame, st
     for (std::size_t k = 0; k < 3; ++k) {
       chosen[k] = with_depth[random() % with_depth.size()];
       const Match& match = matches_[chosen[k]];
-      const Measurement& measurement =
-          frame.measurements[static_cast<std::size_t>(match.feature)];
+      const Measurement& measurement = frame.measurements[static_cast<std::size_t>(match.feature)];
       const auto col = static_cast<Eigen::Index>(k);
       points_camera.col(col) = camera.unproject(measurement.pixel, measurement.depth_m);
       points_world.col(col) = candidates_[static_cast<std::size_t>(match.candidate)].position_m;
@@ -138,8 +137,8 @@ bool Relocalizer::align_by_samples(const Map& map, const FeatureFrame& frame, st
       const Eigen::Vector3d point =
           T_camera_world * candidates_[static_cast<std::size_t>(match.candidate)].position_m;
       if (point.z() <= 0.0) continue;
-      const double sigma = double(
-          camera.level_scales[static_cast<std::size_t>(frame.features[feature].octave)]);
+      const double sigma =
+          double(camera.level_scales[static_cast<std::size_t>(frame.features[feature].octave)]);
       const double squared =
           (camera.project(point).head<2>() - frame.measurements[feature].pixel).squaredNorm();
       // Three noisy depths make a coarse pose: a wide gate here, the real one in the solve.
@@ -177,9 +176,9 @@ bool Relocalizer::find_in(const Map& map, std::int32_t index, std::uint32_t seed
   const auto solve = [&]() {
     observations_.clear();
     for (const Match& match : matches_) {
-      observations_.push_back(
-          observation_of(map.camera(), *frame,
-                         candidates_[static_cast<std::size_t>(match.candidate)], match.feature));
+      observations_.push_back(observation_of(map.camera(), *frame,
+                                             candidates_[static_cast<std::size_t>(match.candidate)],
+                                             match.feature));
     }
     return solve_pose(map.camera(), T_world_camera, &observations_);
   };
@@ -204,8 +203,7 @@ bool Relocalizer::find_in(const Map& map, std::int32_t index, std::uint32_t seed
   }
   matches_ = inliers;
   solution = solve();
-  if (!solution.status.ok() ||
-      solution.num_inliers < options_.tracking.min_relocalized_inliers) {
+  if (!solution.status.ok() || solution.num_inliers < options_.tracking.min_relocalized_inliers) {
     return false;
   }
   frame->points.assign(frame->size(), PointHandle{});

@@ -11,7 +11,8 @@
 namespace srslam::detail {
 
 /// A tiny blurred copy of the image by which keyframes are compared as a whole.
-void make_thumbnail(const ImageView<const std::uint8_t>& gray, std::vector<std::uint8_t>* thumbnail);
+void make_thumbnail(const ImageView<const std::uint8_t>& gray,
+                    std::vector<std::uint8_t>* thumbnail);
 
 /// Zero-mean normalised correlation in [-1, 1]; 0 for images without contrast.
 double thumbnail_similarity(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b);

@@ -48,7 +48,8 @@ bool Tracker::solve_matches(const Pose& T_world_camera_guess, FeatureFrame* fram
     observation.position_m = candidates_[static_cast<std::size_t>(match.candidate)].position_m;
     observation.measurement = frame->measurements[feature];
     observation.inverse_sigma =
-        1.0 / double(camera.level_scales[static_cast<std::size_t>(frame->features[feature].octave)]);
+        1.0 /
+        double(camera.level_scales[static_cast<std::size_t>(frame->features[feature].octave)]);
     observations_.push_back(observation);
   }
   const PoseSolution solution = solve_pose(camera, T_world_camera_guess, &observations_);
@@ -78,8 +79,7 @@ bool Tracker::track_from_last(const Pose& T_world_camera_guess, double radius_px
     if (point != nullptr) {
       candidate.position_m = point->position_m;
       candidate.handle = last_frame_.points[i];
-    } else if (measurement.has_depth() &&
-               measurement.depth_m < options_.tracking.close_depth_m) {
+    } else if (measurement.has_depth() && measurement.depth_m < options_.tracking.close_depth_m) {
       // Not in the map, but one depth reading is good enough for one frame's motion.
       candidate.position_m =
           T_world_last_frame * camera.unproject(measurement.pixel, measurement.depth_m);
@@ -230,11 +230,10 @@ TrackingOutcome Tracker::track(double timestamp_s, const std::vector<std::uint8_
   labels->assign(frame->size(), FeatureLabel::kUnmatched);
 
   Stopwatch stopwatch;
-  bool found =
-      has_last_ &&
-      (track_from_last(predicted, kLastFrameRadius_px, frame, &outcome.T_world_camera) ||
-       track_from_last(predicted, kWideRadius_px, frame, &outcome.T_world_camera) ||
-       track_by_descriptor(T_world_last(), frame, &outcome.T_world_camera));
+  bool found = has_last_ &&
+               (track_from_last(predicted, kLastFrameRadius_px, frame, &outcome.T_world_camera) ||
+                track_from_last(predicted, kWideRadius_px, frame, &outcome.T_world_camera) ||
+                track_by_descriptor(T_world_last(), frame, &outcome.T_world_camera));
   times->tracking_ms = stopwatch.lap_ms();
   if (found) {
     found = track_local_map(options_.tracking.min_inliers, frame, labels, &outcome);

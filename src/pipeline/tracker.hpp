@@ -38,9 +38,7 @@ class Tracker {
   const FeatureFrame& last_frame() const { return last_frame_; }
 
  private:
-  Pose T_world_last() const {
-    return map_->T_world_keyframe(last_reference_) * T_reference_last_;
-  }
+  Pose T_world_last() const { return map_->T_world_keyframe(last_reference_) * T_reference_last_; }
   Pose predict(double timestamp_s) const;
   bool track_from_last(const Pose& T_world_camera_guess, double radius_px, FeatureFrame* frame,
                        Pose* T_world_camera);

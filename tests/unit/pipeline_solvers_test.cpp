@@ -721,7 +721,7 @@ TEST(PipelineOptions, EveryValueOutsideItsDomainIsNamed) {
       {"max_fixed_keyframes", [](O* o) { o->mapping.max_fixed_keyframes = -1; }},
       {"max_iterations", [](O* o) { o->mapping.max_iterations = 0; }},
       {"max_keyframes", [](O* o) { o->mapping.max_keyframes = 2; }},
-      {"apply_after_frames", [](O* o) { o->mapping.apply_after_frames = -1; }},
+      {"apply_after_frames", [](O* o) { o->mapping.apply_after_frames = 0; }},
       {"redundant_share", [](O* o) { o->mapping.redundant_share = 0.0; }},
       {"redundant_share", [=](O* o) { o->mapping.redundant_share = nan; }},
       {"num_threads", [](O* o) { o->num_threads = 0; }},

@@ -86,8 +86,8 @@ struct RgbdIntrinsics {
 };
 
 /// Whitened reprojection and disparity error of a world point in a camera.
-/// Blocks: `T_world_camera` (7, with TangentPoseManifold) and the point in the world (3) [m].
-/// Evaluation fails for a point that is not in front of the camera.
+/// Blocks: `T_world_camera` (7, of unit norm, with TangentPoseManifold) and the point in the world
+/// (3) [m]. Evaluation fails for a point that is not in front of the camera.
 class RgbdReprojectionCost final : public ceres::SizedCostFunction<3, kPoseBlockSize, 3> {
  public:
   /// Both must outlive the cost; the observation may be changed between solves.

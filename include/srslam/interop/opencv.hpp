@@ -62,8 +62,13 @@ inline Feature feature_from_keypoint(const cv::KeyPoint& keypoint, float scale) 
 /// The inverse; `size` is the patch diameter in pixels of level 0.
 inline cv::KeyPoint keypoint_from_feature(const Feature& feature, float patch_size_px = 31.0F) {
   constexpr float kDegreesPerRadian = 57.29577951308232F;
-  return {feature.u_px,     feature.v_px,   patch_size_px * feature.scale, feature.angle_rad * kDegreesPerRadian,
-          feature.response, feature.octave, -1};
+  return {feature.u_px,
+          feature.v_px,
+          patch_size_px * feature.scale,
+          feature.angle_rad * kDegreesPerRadian,
+          feature.response,
+          feature.octave,
+          -1};
 }
 
 }  // namespace srslam

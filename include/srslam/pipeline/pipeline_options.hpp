@@ -46,7 +46,7 @@ struct MappingOptions {
   int max_fixed_keyframes = 20;  ///< neighbours that hold them in place, >= 0
   int max_iterations = 8;        ///< of the solver
   int max_keyframes = 200;       ///< in the map; beyond it the most redundant one leaves, >= 3
-  int apply_after_frames = 3;    ///< frames from an insertion to the use of its adjustment, >= 0
+  int apply_after_frames = 3;    ///< frames from an insertion to the use of its adjustment, >= 1
   double redundant_share = 0.9;  ///< of a keyframe's points seen by others: it leaves, (0, 1]
 };
 

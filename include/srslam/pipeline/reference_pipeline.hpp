@@ -51,12 +51,12 @@ constexpr const char* to_string(TrackingState state) noexcept {
 /// Wall time of one frame by stage [ms]; a stage that did not run is 0.
 struct StageTimes {
   double features_ms = 0.0;
-  double tracking_ms = 0.0;         ///< matching and pose solving against the last frame
-  double local_map_ms = 0.0;        ///< projection of the local map and the final pose
+  double tracking_ms = 0.0;   ///< matching and pose solving against the last frame
+  double local_map_ms = 0.0;  ///< projection of the local map and the final pose
   double relocalization_ms = 0.0;
-  double keyframe_ms = 0.0;         ///< decision, insertion, new points, culling
-  double bundle_adjustment_ms = 0.0;///< the solve itself; overlaps later frames with two threads
-  double total_ms = 0.0;            ///< of process()
+  double keyframe_ms = 0.0;           ///< decision, insertion, new points, culling
+  double bundle_adjustment_ms = 0.0;  ///< the solve itself; overlaps later frames with two threads
+  double total_ms = 0.0;              ///< of process()
 };
 
 /// What became of a feature in this frame.
