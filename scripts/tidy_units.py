@@ -3,9 +3,9 @@
 
     tidy_units.py <compile_commands.json> <file>...
 
-A source stands for itself. A header is seen through the generated unit that includes it alone, or,
-when it has none, through the sources that include it, directly or not. Files that no translation unit
-of the build shows are named on standard error.
+A source stands for itself. A header is seen through one unit that includes it: the generated one
+that includes nothing else, or the source of the same name, or any, directly if possible. Files that
+no translation unit of the build shows are named on standard error.
 """
 
 import json
@@ -35,20 +35,22 @@ def main(arguments):
     headers = list(root.glob("*/**/*.hpp"))
     includes = {path: included_names(path) for path in units + headers}
 
-    def users(name):
-        """Files that include a path that ends as `name` does, and those that include these."""
-        found, waiting = set(), [pathlib.Path(name)]
-        while waiting:
-            header = waiting.pop()
-            for path, names in includes.items():
-                if path not in found and any(is_same(header, other) for other in names):
-                    found.add(path)
-                    waiting.append(path)
-        return found
-
     def is_same(header, include):
         parts = pathlib.PurePosixPath(include).parts
         return header.parts[-len(parts):] == parts
+
+    def one_user(header):
+        """A unit that includes the header, by the shortest way; None without any."""
+        seen, level = set(), [header]
+        while level:
+            users = sorted(path for path, names in includes.items() if path not in seen
+                           and any(is_same(item, name) for item in level for name in names))
+            shown = [path for path in users if path in units]
+            if shown:
+                return min(shown, key=lambda path: path.stem != header.stem)
+            seen.update(users)
+            level = users
+        return None
 
     selected = set()
     for name in arguments[1:]:
@@ -58,12 +60,13 @@ def main(arguments):
         elif path.suffix == ".hpp":
             relative = pathlib.PurePosixPath(name)
             alone = "_".join(relative.with_suffix("").parts[1:]) + ".cpp"
-            generated = {unit for unit in units
-                         if unit.name == alone and unit.parent.name == "headers"}
-            shown = generated or users(path) & set(units)
-            selected |= shown
-            if not shown:
+            generated = [unit for unit in units
+                         if unit.name == alone and unit.parent.name == "headers"]
+            shown = generated[0] if generated else one_user(path)
+            if shown is None:
                 print(f"tidy_units.py: no translation unit includes {name}", file=sys.stderr)
+            else:
+                selected.add(shown)
         else:
             print(f"tidy_units.py: {name} is not compiled in this build", file=sys.stderr)
     for unit in sorted(selected):

@@ -100,7 +100,7 @@ TEST(GreedyAssociation, EqualsTheDefinitionWithManyTies) {
 }
 
 TEST(GreedyAssociation, EqualsTheDefinitionWithJitteredClocks) {
-  test::for_each_seed(100, [](test::Rng& rng) {
+  test::for_each_seed(40, [](test::Rng& rng) {
     Trajectory reference;
     Trajectory estimate;
     double reference_time_s = 1.5e9;
