@@ -7,9 +7,9 @@
 #
 # The base is the commit in SRSLAM_TIDY_BASE; else where this branch left the branch it is to be
 # merged into (origin/HEAD, origin/main or main); else, on that branch itself, the commit in
-# .ci/tidy_base, up to which everything has been checked; without any of them, everything is checked. A changed public header is checked through the generated
-# translation unit that includes it alone, a changed private header through the sources that
-# include it. Needs a build in build/release.
+# .ci/tidy_base, up to which everything has been checked; without any of them, everything is checked.
+# A changed header is checked through one translation unit that includes it. Needs a build in
+# build/release.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"

@@ -138,6 +138,21 @@ TEST(PinholeCameraProject, RefusesPointsThatTheCameraCannotSee) {
   }
 }
 
+TEST(PinholeCameraProject, RefusesJacobiansThatAreNotRepresentable) {
+  const PinholeCamera camera = ideal_camera();
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> J_point;
+  Eigen::Matrix<double, 2, 9> J_intrinsics;
+  // The pixel is the principal point, but it would move by fx / z per metre.
+  const Eigen::Vector3d nearest(0.0, 0.0, 1e-307);
+  EXPECT_TRUE(camera.project(nearest, &pixel));
+  EXPECT_FALSE(camera.project(nearest, &pixel, &J_point));
+  // The pixel is linear in x, but it would move by fx x⁷ per unit of k3.
+  const Eigen::Vector3d sideways(1e60, 0.0, 1.0);
+  EXPECT_TRUE(camera.project(sideways, &pixel, &J_point));
+  EXPECT_FALSE(camera.project(sideways, &pixel, &J_point, &J_intrinsics));
+}
+
 TEST(PinholeCameraProject, OutputsMayBeNull) {
   for (const NamedCamera& named : dataset_cameras()) {
     EXPECT_TRUE(named.camera.project({0.1, 0.1, 1.0}, nullptr));
@@ -204,6 +219,11 @@ TEST(PinholeCameraDomain, TangentialDistortionAloneFoldsOnOneSide) {
   EXPECT_TRUE(camera.project({0.0, -1.66, 1.0}, nullptr));
   EXPECT_FALSE(camera.project({0.0, -1.67, 1.0}, nullptr));
   EXPECT_TRUE(camera.project({0.0, 1.67, 1.0}, nullptr));
+  // Beyond y = -5 both directions are reversed and the determinant is positive again.
+  Eigen::Matrix2d J;
+  camera.distort({0.0, -6.0}, &J);
+  ASSERT_GT(J.determinant(), 0.0);
+  EXPECT_FALSE(camera.project({0.0, -6.0, 1.0}, nullptr));
 }
 
 // The polynomials of TUM fr1 and fr2 have large coefficients of alternating signs, but grow

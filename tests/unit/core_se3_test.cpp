@@ -33,6 +33,15 @@ TEST(Hat, IsTheCrossProduct) {
   EXPECT_EQ(Eigen::Matrix3d(hat(a).transpose()), Eigen::Matrix3d(-hat(a)));
 }
 
+TEST(SafeNorm, NeitherUnderflowsNorOverflowsNorHidesANan) {
+  for (const double scale : {1e-320, 1e-200, 1e-100, 1.0, 1e100, 1e200, 1e307}) {
+    EXPECT_DOUBLE_EQ(detail::safe_norm(scale * Eigen::Vector3d(2.0, -3.0, 6.0)), 7.0 * scale);
+  }
+  EXPECT_EQ(detail::safe_norm(Eigen::Vector3d::Zero()), 0.0);
+  EXPECT_TRUE(std::isnan(detail::safe_norm({1.0, kNan, 0.0})));
+  EXPECT_EQ(detail::safe_norm({1.0, kInf, 0.0}), kInf);
+}
+
 TEST(So3Exp, QuarterTurnAboutZTakesXToY) {
   const Eigen::Matrix3d rotation = so3_exp(Eigen::Vector3d(0.0, 0.0, kPi / 2));
   EXPECT_TRUE(matrices_near(rotation * Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), 1e-15));
