@@ -678,7 +678,7 @@ TEST(PipelineOptions, DefaultsAndLimitsAreValid) {
   options.tracking.min_inliers = 4;
   options.tracking.min_depth_m = 0.0;
   options.keyframes.max_frames = 1;
-  options.mapping = {2, 0, 1, 3, 0, 1.0};
+  options.mapping = {2, 0, 1, 3, 1, 1.0};
   options.num_threads = 1;
   EXPECT_TRUE(options.validate().ok()) << options.validate().reason;
 }
