@@ -58,7 +58,7 @@ FileStatus set_field(const Option& option, const std::string& path, const FlatYa
                      PipelineOptions* options) {
   auto& field = option.field(*options);
   auto value = file_value(field);
-  const FileStatus status = read_value(path, entry, &value);
+  FileStatus status = read_value(path, entry, &value);
   if (!status.ok()) return status;
   if (!is_in_range(option, value)) {
     return FileStatus::failure(StatusCode::kInvalidArgument, path, entry.line,
@@ -180,6 +180,7 @@ FileStatus read_pipeline_config(const std::string& path, PipelineOptions* option
                      [&entry](const PipelineOption& known) { return entry.key == known.key; });
     if (option == table.end()) {
       std::vector<std::string> keys;
+      keys.reserve(table.size());
       for (const PipelineOption& known : table) keys.emplace_back(known.key);
       return unknown_key(path, entry, keys);
     }

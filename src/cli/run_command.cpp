@@ -146,7 +146,7 @@ class Run {
     result_.records.push_back(*record);
     if (record->outcome == FrameOutcome::kTracked) {
       result_.trajectory.push_back({loaded.timestamp_s, result.T_world_camera});
-      const FileStatus status = outputs_.append_pose(result_.trajectory.back());
+      FileStatus status = outputs_.append_pose(result_.trajectory.back());
       if (!status.ok()) return status;
     }
     return outputs_.append_frame(*record, &result, {});
