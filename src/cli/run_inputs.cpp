@@ -128,7 +128,7 @@ std::string load_run_inputs(const RunSettings& settings, RunInputs* inputs) {
   // What the command line alone decides comes first: it is the quickest to put right.
   for (const auto load :
        {load_options, open_dataset, load_camera, load_detections, load_groundtruth}) {
-    const std::string reason = load(settings, inputs);
+    std::string reason = load(settings, inputs);
     if (!reason.empty()) return reason;
   }
   inputs->output_folder = settings.output_folder.empty()

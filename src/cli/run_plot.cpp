@@ -78,6 +78,7 @@ std::vector<PlotPosition> estimate_positions(const RunResult& result,
 PlotSeries relative_errors(const std::string& name, const RpeResult& rpe, double RpePair::*error) {
   PlotSeries series;
   series.name = name;
+  series.samples.reserve(rpe.pairs.size());
   for (const RpePair& pair : rpe.pairs)
     series.samples.push_back({pair.from_timestamp_s, pair.*error});
   return series;
@@ -109,6 +110,7 @@ void add_progress(const RunResult& result, TrajectoryPlot* plot) {
   plot->map_title = "Trajectory";
   plot->color_label = "time since the first frame [s]";
   std::vector<double> times_s;
+  times_s.reserve(result.trajectory.size());
   for (const StampedPose& pose : result.trajectory) {
     times_s.push_back(pose.timestamp_s - plot->begin_s);
   }

@@ -17,6 +17,7 @@ using Json = nlohmann::ordered_json;
 /// Times of one stage over the frames in which it ran.
 SampleStatistics stage_statistics(const RunResult& result, const Stage& stage) {
   std::vector<double> times_ms;
+  times_ms.reserve(result.records.size());
   for (const FrameRecord& record : result.records) {
     const double time_ms = record.times.*stage.field;
     if (time_ms > 0.0) times_ms.push_back(time_ms);

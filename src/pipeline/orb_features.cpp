@@ -182,8 +182,10 @@ void OrbExtractor::Impl::detect(const Level& level, const ImageView<const std::u
   }
   if (mask.empty()) return;
   const auto hidden = [&](const cv::KeyPoint& keypoint) {
-    const int u = std::min(cvRound(level.to_level0_u(keypoint.pt.x)), mask.width_px - 1);
-    const int v = std::min(cvRound(level.to_level0_v(keypoint.pt.y)), mask.height_px - 1);
+    const int u = std::min(static_cast<int>(std::lround(level.to_level0_u(keypoint.pt.x))),
+                           mask.width_px - 1);
+    const int v = std::min(static_cast<int>(std::lround(level.to_level0_v(keypoint.pt.y))),
+                           mask.height_px - 1);
     return mask(u, v) == 0;
   };
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(), hidden), candidates.end());

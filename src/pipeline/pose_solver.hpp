@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
 #include "pipeline/feature_frame.hpp"
@@ -21,6 +21,18 @@ struct PoseObservation {
   double inverse_sigma = 1.0;  ///< 1 / standard deviation of the pixel [1/px]
   bool inlier = true;          ///< result: passed the χ² gate at the last round
 };
+
+/// Feature `feature` of `frame` as an observation of the point at `position_m` (world).
+inline PoseObservation make_pose_observation(const TrackingCamera& camera,
+                                             const FeatureFrame& frame, std::size_t feature,
+                                             const Eigen::Vector3d& position_m) {
+  PoseObservation observation;
+  observation.position_m = position_m;
+  observation.measurement = frame.measurements[feature];
+  const auto octave = static_cast<std::size_t>(frame.features[feature].octave);
+  observation.inverse_sigma = 1.0 / double(camera.level_scales[octave]);
+  return observation;
+}
 
 struct PoseSolution {
   Status status;

@@ -21,17 +21,6 @@ constexpr std::size_t kMinMatches = 15;
 constexpr int kNumSamples = 200;
 constexpr double kProjectionRadius_px = 10.0;
 
-PoseObservation observation_of(const TrackingCamera& camera, const FeatureFrame& frame,
-                               const MatchCandidate& candidate, std::int32_t feature) {
-  const auto i = static_cast<std::size_t>(feature);
-  PoseObservation observation;
-  observation.position_m = candidate.position_m;
-  observation.measurement = frame.measurements[i];
-  observation.inverse_sigma =
-      1.0 / double(camera.level_scales[static_cast<std::size_t>(frame.features[i].octave)]);
-  return observation;
-}
-
 }  // namespace
 
 void make_thumbnail(const ImageView<const std::uint8_t>& gray,
@@ -176,9 +165,9 @@ bool Relocalizer::find_in(const Map& map, std::int32_t index, std::uint32_t seed
   const auto solve = [&]() {
     observations_.clear();
     for (const Match& match : matches_) {
-      observations_.push_back(observation_of(map.camera(), *frame,
-                                             candidates_[static_cast<std::size_t>(match.candidate)],
-                                             match.feature));
+      observations_.push_back(
+          make_pose_observation(map.camera(), *frame, static_cast<std::size_t>(match.feature),
+                                candidates_[static_cast<std::size_t>(match.candidate)].position_m));
     }
     return solve_pose(map.camera(), T_world_camera, &observations_);
   };

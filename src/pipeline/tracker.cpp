@@ -43,14 +43,9 @@ bool Tracker::solve_matches(const Pose& T_world_camera_guess, FeatureFrame* fram
   const TrackingCamera& camera = map_->camera();
   observations_.clear();
   for (const Match& match : matches_) {
-    const auto feature = static_cast<std::size_t>(match.feature);
-    PoseObservation observation;
-    observation.position_m = candidates_[static_cast<std::size_t>(match.candidate)].position_m;
-    observation.measurement = frame->measurements[feature];
-    observation.inverse_sigma =
-        1.0 /
-        double(camera.level_scales[static_cast<std::size_t>(frame->features[feature].octave)]);
-    observations_.push_back(observation);
+    observations_.push_back(
+        make_pose_observation(camera, *frame, static_cast<std::size_t>(match.feature),
+                              candidates_[static_cast<std::size_t>(match.candidate)].position_m));
   }
   const PoseSolution solution = solve_pose(camera, T_world_camera_guess, &observations_);
   frame->points.assign(frame->size(), PointHandle{});
@@ -189,12 +184,7 @@ bool Tracker::track_local_map(int min_inliers, FeatureFrame* frame,
   for (std::size_t i = 0; i < frame->size(); ++i) {
     const MapPoint* point = map_->point(frame->points[i]);
     if (point == nullptr) continue;
-    PoseObservation observation;
-    observation.position_m = point->position_m;
-    observation.measurement = frame->measurements[i];
-    observation.inverse_sigma =
-        1.0 / double(camera.level_scales[static_cast<std::size_t>(frame->features[i].octave)]);
-    observations_.push_back(observation);
+    observations_.push_back(make_pose_observation(camera, *frame, i, point->position_m));
     observed_features_.push_back(static_cast<std::int32_t>(i));
   }
   const PoseSolution solution = solve_pose(camera, outcome->T_world_camera, &observations_);

@@ -39,7 +39,8 @@ constexpr double polynomial(const double (&coefficients)[N], double x) noexcept 
 /// Euclidean norm that neither underflows nor overflows where the result is representable.
 inline double safe_norm(const Eigen::Vector3d& v) noexcept {
   const double squared = v.squaredNorm();
-  if (std::isnan(squared)) return squared;  // stableNorm() would hide it
+  // stableNorm() looks for the largest element, and Eigen leaves open what that makes of a NaN.
+  if (std::isnan(squared)) return squared;
   return (squared > 1e-200 && squared < 1e200) ? std::sqrt(squared) : v.stableNorm();
 }
 

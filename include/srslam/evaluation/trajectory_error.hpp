@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "srslam/core/pose.hpp"
+#include "srslam/core/se3.hpp"
 #include "srslam/core/status.hpp"
 #include "srslam/evaluation/association.hpp"
 #include "srslam/evaluation/error_statistics.hpp"
@@ -269,14 +270,6 @@ inline Pose relative_motion(const Pose& from, const Pose& to) {
   motion.linear() = from.linear().transpose() * to.linear();
   motion.translation() = from.linear().transpose() * (to.translation() - from.translation());
   return motion;
-}
-
-/// Angle of a rotation [rad], in [0, π], accurate near both ends.
-inline double rotation_angle_rad(const Eigen::Matrix3d& rotation) {
-  const Eigen::Vector3d twice_sine_axis(rotation(2, 1) - rotation(1, 2),
-                                        rotation(0, 2) - rotation(2, 0),
-                                        rotation(1, 0) - rotation(0, 1));
-  return std::atan2(twice_sine_axis.norm(), rotation.trace() - 1.0);
 }
 
 /// Fills in the errors of a pair whose indices are set.
