@@ -12,6 +12,7 @@
 #include "cli/modules.hpp"
 #include "cli/options_command.hpp"
 #include "cli/run_command.hpp"
+#include "cli/synth_command.hpp"
 #include "srslam/io/camera_file.hpp"
 #include "srslam/version.hpp"
 
@@ -132,6 +133,52 @@ CLI::App* add_evaluate_command(CLI::App* program, EvaluateSettings* settings,
   return evaluate;
 }
 
+CLI::App* add_synth_command(CLI::App* program, SynthSettings* settings) {
+  CLI::App* synth = program->add_subcommand(
+      "synth", "Render an RGB-D sequence of a room with moving people, ground truth included");
+  synth->add_flag("--list", settings->list, "Print the scenarios and what happens in them");
+  synth->add_option("--scenario", settings->scenario, "Which one")->type_name("NAME");
+  synth->add_option("--output", settings->output_folder, "Folder for the sequence")
+      ->type_name("DIR");
+  synth->add_option("--seed", settings->seed, "Other looks, ways and noise; same seed, same bytes")
+      ->capture_default_str()
+      ->type_name("N");
+  synth->add_option("--frames", settings->num_frames, "Length, at 30 frames a second")
+      ->capture_default_str()
+      ->type_name("N");
+  synth->add_option("--width", settings->width_px, "Image width [px]")
+      ->capture_default_str()
+      ->type_name("W");
+  synth->add_option("--height", settings->height_px, "Image height [px]")
+      ->capture_default_str()
+      ->type_name("H");
+  synth->add_option("--camera", settings->camera, "Camera preset: " + preset_list())
+      ->capture_default_str()
+      ->type_name("NAME");
+  synth->add_flag("--clean", settings->sensor.clean,
+                  "A perfect sensor: no noise, holes, vignetting");
+  synth
+      ->add_option("--exposure-change", settings->sensor.exposure_change,
+                   "Slow changes of the brightness, as a share of it (0 to 0.9)")
+      ->capture_default_str()
+      ->type_name("X");
+  synth
+      ->add_option("--exposure-time", settings->sensor.exposure_time_s,
+                   "Motion blur over this time [s]; seven times slower")
+      ->capture_default_str()
+      ->type_name("X");
+  synth->add_flag("--flow", settings->flow, "Also write the optical flow to the next frame");
+  synth->add_flag("--jpeg", settings->jpeg, "Colour as JPEG instead of PNG, a quarter of the size");
+  synth->add_flag("--overwrite", settings->overwrite, "Replace the sequence that the folder holds");
+  synth
+      ->add_option("--threads", settings->num_threads,
+                   "Frames rendered side by side; the result is the same; default: one a core")
+      ->check(CLI::Range(1, 256).description(""))
+      ->type_name("N");
+  synth->add_flag("--quiet", settings->quiet, "No progress line and no summary");
+  return synth;
+}
+
 int dispatch(int argc, const char* const* argv) {
   CLI::App program("srslam: RGB-D SLAM over folders of images, and the evaluation of trajectories",
                    "srslam");
@@ -151,6 +198,9 @@ int dispatch(int argc, const char* const* argv) {
   const CLI::App* evaluate = add_evaluate_command(&program, &evaluate_settings, &groundtruth_frame,
                                                   &rpe_definition, &with_scale);
 
+  SynthSettings synth_settings;
+  const CLI::App* synth = add_synth_command(&program, &synth_settings);
+
   OptionsSettings options_settings;
   CLI::App* options = program.add_subcommand(
       "options", "Every pipeline option with value, range, unit and meaning");
@@ -165,6 +215,7 @@ int dispatch(int argc, const char* const* argv) {
     return program.exit(error) == 0 ? kExitOk : kExitUsage;
   }
   if (run->parsed()) return run_command(run_settings);
+  if (synth->parsed()) return synth_command(synth_settings);
   if (options->parsed()) return options_command(options_settings);
   if (with_scale) evaluate_settings.report.alignment = Alignment::kSim3;
   if (rpe_definition == "tum_tool") {
