@@ -117,6 +117,11 @@ void Renderer::prepare(double time_s, const Pose& T_world_camera, bool try_all_p
     posed.R_world_part = workspace->T_world_part[i].linear();
     set_bounds(shape, T_camera_part, &posed);
   }
+  const Pose T_room_world = scene_->T_world_room.inverse();
+  const Eigen::Vector3d inverse_scale = scene_->room.scale_m.cwiseInverse();
+  workspace->room_origin = inverse_scale.cwiseProduct(T_room_world * T_world_camera.translation());
+  workspace->room_from_camera =
+      inverse_scale.asDiagonal() * (T_room_world.linear() * T_world_camera.linear());
   prepare_shadows(workspace);
   assign_tiles(try_all_parts, workspace);
 }
@@ -234,8 +239,9 @@ Eigen::Vector3f Renderer::shade(const Eigen::Vector3d& direction, const Hit& hit
   const Material* material = &scene_->room_material;
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();
   if (hit.part == kRoomPart) {
-    const Eigen::Vector3d local = scene_->T_world_room.inverse(Eigen::Isometry) * point_world;
-    surface = surface_point(scene_->room, local.cwiseQuotient(scene_->room.scale_m));
+    surface =
+        surface_point(scene_->room, workspace.room_origin +
+                                        hit.depth_m * (workspace.room_from_camera * direction));
     normal = scene_->T_world_room.linear() * -surface.normal;
     // Seen from inside, right and left change places.
     const int axis = surface.face / 2;
@@ -282,16 +288,10 @@ void Renderer::render(double time_s, const Pose& T_world_camera, PixelBuffers* b
   buffers->part.resize(width, height);
   workspace->faces.resize(rays_.size());
 
-  const Pose T_room_world = scene_->T_world_room.inverse();
-  const Eigen::Vector3d inverse_scale = scene_->room.scale_m.cwiseInverse();
-  const Eigen::Vector3d room_origin =
-      inverse_scale.cwiseProduct(T_room_world * T_world_camera.translation());
-  const Eigen::Matrix3d room_from_camera =
-      inverse_scale.asDiagonal() * (T_room_world.linear() * T_world_camera.linear());
   const auto look = [&](const Eigen::Vector3d& direction, std::size_t tile) {
     Hit hit = trace(direction, workspace->tiles[tile], *workspace);
-    const double room_depth_m =
-        intersect(scene_->room, room_origin, room_from_camera * direction, kNear_m);
+    const double room_depth_m = intersect(scene_->room, workspace->room_origin,
+                                          workspace->room_from_camera * direction, kNear_m);
     if (room_depth_m > 0.0 && room_depth_m < hit.depth_m) hit = {room_depth_m, kRoomPart};
     return hit;
   };

@@ -46,6 +46,8 @@ class Renderer {
       float reach_m = 0.0F;
       std::size_t begin = 0, end = 0;
     };
+    Eigen::Vector3d room_origin;  ///< camera centre in the room's unit frame
+    Eigen::Matrix3d room_from_camera;
     std::vector<Pose> T_world_part;
     std::vector<PosedPart> posed;
     std::vector<std::vector<std::uint16_t>> tiles;  ///< parts that may be seen, nearest first

@@ -57,7 +57,7 @@ Texture::Texture(const ImageView<const Bgr8>& image, double width_m)
   }
 }
 
-Eigen::Vector3f Texture::bilinear(const Level& level, double x, double y) {
+Eigen::Vector4f Texture::bilinear(const Level& level, double x, double y) {
   const double left = std::floor(x);
   const double top = std::floor(y);
   const auto ax = static_cast<float>(x - left);
@@ -70,10 +70,10 @@ Eigen::Vector3f Texture::bilinear(const Level& level, double x, double y) {
     const auto& t =
         level.texels[static_cast<std::size_t>(v) * static_cast<std::size_t>(level.width) +
                      static_cast<std::size_t>(u)];
-    return Eigen::Vector3f(t[0], t[1], t[2]);
+    return Eigen::Vector4f(t[0], t[1], t[2], t[3]);
   };
-  const Eigen::Vector3f upper = (1.0F - ax) * texel(u0, v0) + ax * texel(u1, v0);
-  const Eigen::Vector3f lower = (1.0F - ax) * texel(u0, v1) + ax * texel(u1, v1);
+  const Eigen::Vector4f upper = (1.0F - ax) * texel(u0, v0) + ax * texel(u1, v0);
+  const Eigen::Vector4f lower = (1.0F - ax) * texel(u0, v1) + ax * texel(u1, v1);
   return (1.0F - ay) * upper + ay * lower;
 }
 
@@ -86,10 +86,13 @@ Eigen::Vector3f Texture::sample(double u_m, double v_m, double footprint_m) cons
   const auto blend = static_cast<float>(level - static_cast<double>(fine));
   const double fine_scale = std::ldexp(1.0, -static_cast<int>(fine));
   // Texel centres lie at half integers.
-  const Eigen::Vector3f color = bilinear(levels_[fine], x * fine_scale - 0.5, y * fine_scale - 0.5);
-  if (blend == 0.0F) return color;
-  return (1.0F - blend) * color + blend * bilinear(levels_[fine + 1], 0.5 * x * fine_scale - 0.5,
-                                                   0.5 * y * fine_scale - 0.5);
+  Eigen::Vector4f color = bilinear(levels_[fine], x * fine_scale - 0.5, y * fine_scale - 0.5);
+  if (blend != 0.0F) {
+    const Eigen::Vector4f coarse =
+        bilinear(levels_[fine + 1], 0.5 * x * fine_scale - 0.5, 0.5 * y * fine_scale - 0.5);
+    color += blend * (coarse - color);
+  }
+  return color.head<3>();
 }
 
 }  // namespace srslam::detail

@@ -27,7 +27,7 @@ class Texture {
     int width = 0;
     int height = 0;
   };
-  static Eigen::Vector3f bilinear(const Level& level, double x, double y);
+  static Eigen::Vector4f bilinear(const Level& level, double x, double y);
 
   std::vector<Level> levels_;
   double texels_per_m_ = 1.0;
