@@ -12,6 +12,7 @@
 #include "cli/modules.hpp"
 #include "cli/options_command.hpp"
 #include "cli/run_command.hpp"
+#include "cli/text_list.hpp"
 #include "srslam/io/camera_file.hpp"
 #include "srslam/version.hpp"
 
@@ -21,11 +22,7 @@ namespace {
 constexpr const char* kCameraFrame = "camera";
 constexpr const char* kMarkerFrame = "bonn_marker";
 
-std::string preset_list() {
-  std::string text;
-  for (const std::string& name : camera_preset_names()) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
+std::string preset_list() { return joined(camera_preset_names()); }
 
 std::string module_list() {
   std::string text;
@@ -150,6 +147,7 @@ int dispatch(int argc, const char* const* argv) {
   bool with_scale = false;
   const CLI::App* evaluate = add_evaluate_command(&program, &evaluate_settings, &groundtruth_frame,
                                                   &rpe_definition, &with_scale);
+
 
   OptionsSettings options_settings;
   CLI::App* options = program.add_subcommand(

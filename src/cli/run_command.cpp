@@ -76,9 +76,7 @@ std::string nothing_tracked_reason(const RunInputs& inputs, const RunResult& res
 class Run {
  public:
   Run(const RunInputs& inputs, bool quiet)
-      : inputs_(inputs),
-        pipeline_(inputs.camera.camera, inputs.options),
-        progress_(inputs.num_frames, !quiet) {}
+      : inputs_(inputs), pipeline_(inputs.camera.camera, inputs.options), progress_(!quiet) {}
 
   FileStatus open() { return outputs_.open(inputs_); }
 
@@ -120,7 +118,8 @@ class Run {
       record.read_wait_ms = milliseconds_since(start);
       const FileStatus status = process(loaded, &record);
       if (!status.ok()) return status.message();
-      progress_.update(result_.records.size(), to_string(record.outcome));
+      progress_.update(progress_text(result_.records.size(), inputs_.num_frames,
+                                     progress_.elapsed_s(), to_string(record.outcome)));
     }
     return {};
   }
