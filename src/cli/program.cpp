@@ -7,6 +7,7 @@
 #include <iostream>
 #include <string>
 
+#include "cli/campaign/campaign_command.hpp"
 #include "cli/evaluate_command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/modules.hpp"
@@ -148,6 +149,8 @@ int dispatch(int argc, const char* const* argv) {
   const CLI::App* evaluate = add_evaluate_command(&program, &evaluate_settings, &groundtruth_frame,
                                                   &rpe_definition, &with_scale);
 
+  CampaignSettings campaign_settings;
+  const CLI::App* campaign = add_campaign_command(&program, &campaign_settings);
 
   OptionsSettings options_settings;
   CLI::App* options = program.add_subcommand(
@@ -163,6 +166,7 @@ int dispatch(int argc, const char* const* argv) {
     return program.exit(error) == 0 ? kExitOk : kExitUsage;
   }
   if (run->parsed()) return run_command(run_settings);
+  if (campaign->parsed()) return campaign_command(campaign_settings);
   if (options->parsed()) return options_command(options_settings);
   if (with_scale) evaluate_settings.report.alignment = Alignment::kSim3;
   if (rpe_definition == "tum_tool") {
