@@ -14,6 +14,7 @@ struct TextTable {
 
     std::string text;
     bool emphasized = false;
+    std::string link;  ///< relative, for pages
   };
 
   std::string title;

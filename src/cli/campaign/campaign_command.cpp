@@ -12,7 +12,9 @@
 #include "cli/campaign/campaign_table_text.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/pipeline_config.hpp"
+#include "cli/report/campaign_report.hpp"
 #include "cli/run_inputs.hpp"
+#include "cli/run_outputs.hpp"
 #include "cli/stop_signal.hpp"
 #include "cli/text_file.hpp"
 #include "srslam/version.hpp"
@@ -205,10 +207,12 @@ class Campaign {
     for (const CampaignJob& job : jobs)
       records.push_back(read_job_record(job_folder(folder_, job)));
     const CampaignTables tables = make_tables(plan_, records);
-    for (const auto& [name, text] : {std::pair{kTablesMarkdownFile, tables_markdown(plan_, tables)},
-                                     {kTablesCsvFile, tables_csv(plan_, tables, records)},
-                                     {kTablesJsonFile, tables_json(plan_, tables, records)},
-                                     {kTimesFile, times_csv(plan_, records)}}) {
+    for (const auto& [name, text] :
+         {std::pair{kTablesMarkdownFile, tables_markdown(plan_, tables)},
+          {kTablesCsvFile, tables_csv(plan_, tables, records)},
+          {kTablesJsonFile, tables_json(plan_, tables, records)},
+          {kTimesFile, times_csv(plan_, records)},
+          {kReportFile, campaign_report_page(plan_, tables, records, folder_)}}) {
       const FileStatus written = write_file_atomically(path(name), text);
       if (!written.ok()) return error_exit(kExitFailure, written.message());
     }
@@ -219,7 +223,8 @@ class Campaign {
     const std::size_t num_gaps = tables.failed.size() + tables.missing.size();
     std::cout << "jobs: " << jobs.size() - num_gaps << " done, " << tables.failed.size()
               << " failed, " << tables.missing.size()
-              << " missing\ntables: " << path(kTablesMarkdownFile) << std::endl;
+              << " missing\ntables: " << path(kTablesMarkdownFile)
+              << "\nreport: " << path(kReportFile) << std::endl;
     return num_gaps == 0 ? kExitOk : kExitFailure;
   }
 
