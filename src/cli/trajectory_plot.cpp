@@ -20,7 +20,7 @@ constexpr const char* kLostColor = "#d00000";
 
 constexpr PlotBox kMapBox = {0.062, 0.500, 0.105, 0.820};
 /// Of a picture that has nothing but the map.
-constexpr PlotBox kLoneMapBox = {0.125, 0.800, 0.140, 0.810};
+constexpr PlotBox kLoneMapBox = {0.140, 0.800, 0.140, 0.850};
 constexpr PlotBox kUpperBox = {0.665, 0.985, 0.575, 0.820};
 constexpr PlotBox kLowerBox = {0.665, 0.985, 0.105, 0.380};
 
@@ -135,8 +135,8 @@ std::string map_view(const TrajectoryPlot& plot, const PlotBox& box, int width_p
   script += "set cblabel " + gnuplot_quoted(plot.color_label) + " offset 1.2,0\n";
   script += "set colorbox user origin " + number(box.right + 0.014) + "," + number(box.bottom) +
             " size 0.013," + number(box.top - box.bottom) + "\n";
-  script += "set key at screen " + number(box.right) + "," + number(box.top + 0.075) +
-            " right horizontal maxrows 1 samplen 2.5 font ',10'\n";
+  script += "set key at screen " + number(box.right) + "," + number(box.top + 0.02) +
+            " right bottom horizontal samplen 2.5 font ',10'\n";
   script += "plot ";
   if (has_reference(plot, true)) {
     script += "$reference_tracked using 1:2 with lines lw 6 lc rgb '" + std::string(kTrackedColor) +

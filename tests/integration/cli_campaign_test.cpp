@@ -89,6 +89,7 @@ TEST_F(CliCampaign, KilledAndTakenUpAgainGivesTheSameTables) {
   }
   EXPECT_EQ(run(full_words("killed")).exit_code, 1);
   expect_same_tables("whole", "killed");
+  EXPECT_TRUE(fs::exists(folder_ / "killed/report.html"));
   for (const auto& entry : fs::directory_iterator(folder_ / "killed/jobs")) {
     EXPECT_NE(entry.path().filename().string().front(), '.') << "abandoned work is removed";
   }

@@ -52,8 +52,8 @@ std::string chart_html(const CampaignPlan& plan, const CampaignTables& tables,
            ". The tables have the figures.</p>\n";
   }
   return html + "<div style=\"max-width:60rem\">" +
-         html_picture("image/svg+xml", pictures.front(),
-                      "ATE RMSE [m]: median, smallest and largest over repeats and seeds") +
+         html_picture("image/svg+xml", pictures.front(), "absolute errors",
+                      "ATE RMSE: median, smallest and largest over repeats and seeds") +
          "</div>\n";
 }
 
@@ -84,7 +84,7 @@ std::string error_chart_script(const CampaignPlan& plan, const CampaignTables& t
              kColors[v % kColors.size()] + "' title " + gnuplot_quoted(plan.variants[v].name);
   }
   if (plots.empty()) return {};
-  constexpr int kWidth_px = 640;
+  constexpr int kWidth_px = 520;
   constexpr int kFrame_px = 120;
   const int row_px = 14 + 12 * static_cast<int>(num_variants);
   const int height_px = kFrame_px + row_px * static_cast<int>(tables.rows.size());

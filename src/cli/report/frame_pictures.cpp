@@ -115,7 +115,9 @@ std::vector<ChosenFrame> choose_frames(const RunResult& result, std::size_t max_
     chosen[first] = "lost for " + std::to_string(length) + (length == 1 ? " frame" : " frames");
     ++num_lost;
   }
-  // Places that are taken already are not given again; the spread stays even.
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
+                                  [&chosen](std::size_t i) { return chosen.count(i) > 0; }),
+                   candidates.end());
   const std::size_t num_even = max_frames - std::min(max_frames, chosen.size());
   for (std::size_t k = 0; k < num_even && !candidates.empty(); ++k) {
     const std::size_t place = num_even == 1 ? 0 : k * (candidates.size() - 1) / (num_even - 1);
@@ -180,7 +182,7 @@ std::string frame_pictures_html(const RunInputs& inputs, const RunResult& result
         overlay_jpeg(loaded.gray.view(), features.read(record.index), detections);
     if (jpeg.empty()) continue;
     pictures +=
-        html_picture("image/jpeg", jpeg,
+        html_picture("image/jpeg", jpeg, "frame with its features and detections",
                      caption(record, chosen.reason, result.records.front().timestamp_s, errors_m));
   }
   std::string html = "<h2>Frames</h2>\n";

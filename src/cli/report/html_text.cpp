@@ -104,10 +104,11 @@ std::string base64(const std::string& bytes) {
 }
 
 std::string html_picture(const std::string& media_type, const std::string& bytes,
-                         const std::string& description) {
+                         const std::string& description, const std::string& caption) {
   return "<figure><img alt=\"" + html_text(description) + "\" src=\"data:" + media_type +
-         ";base64," + base64(bytes) + "\"><figcaption>" + html_text(description) +
-         "</figcaption></figure>\n";
+         ";base64," + base64(bytes) + "\">" +
+         (caption.empty() ? "" : "<figcaption>" + html_text(caption) + "</figcaption>") +
+         "</figure>\n";
 }
 
 std::string html_page(const std::string& title, const std::string& body) {

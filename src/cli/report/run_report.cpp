@@ -14,10 +14,10 @@
 namespace srslam::cli {
 namespace {
 
-constexpr int kPlotWidth_px = 540;
-constexpr int kPlotHeight_px = 300;
-constexpr int kMapHeight_px = 420;
-constexpr PlotBox kPanelBox = {0.130, 0.975, 0.165, 0.790};
+constexpr int kPlotWidth_px = 440;
+constexpr int kPlotHeight_px = 270;
+constexpr int kMapHeight_px = 380;
+constexpr PlotBox kPanelBox = {0.150, 0.970, 0.185, 0.800};
 
 using Row = std::vector<TextTable::Field>;
 
@@ -51,12 +51,17 @@ PlotPanel count_panel(const RunResult& result) {
     features.samples.push_back({record.timestamp_s, double(record.num_features)});
     matches.samples.push_back({record.timestamp_s, double(record.num_matches)});
   }
-  return {"Features of a frame", "count", {inliers, features, matches}};
+  return {"Features", "count", {inliers, features, matches}};
 }
 
-PlotPanel time_panel(const RunResult& result) {
-  PlotPanel panel{"Time of a frame by stage", "time [ms]", {}};
+/// Stages of every frame, or those of mapping, which work on some frames only.
+PlotPanel time_panel(const RunResult& result, const char* title, bool of_mapping) {
+  PlotPanel panel{title, "time [ms]", {}};
   for (const Stage& stage : kStages) {
+    const bool is_mapping = stage.field == &StageTimes::keyframe_ms ||
+                            stage.field == &StageTimes::bundle_adjustment_ms ||
+                            stage.field == &StageTimes::relocalization_ms;
+    if (is_mapping != of_mapping) continue;
     PlotSeries series{stage.name, {}};
     for (const FrameRecord& record : result.records) {
       const double time_ms = record.times.*stage.field;
@@ -177,6 +182,14 @@ TextTable option_table(const PipelineOptions& options) {
 std::string plots_html(const RunInputs& inputs, const RunResult& result) {
   std::string html = "<h2>Over time</h2>\n";
   if (result.records.empty()) return html + "<p>No frame was reached.</p>\n";
+  const auto without_plots = [&html](const std::string& reason) {
+    return html + "<p>There are no plots: " + html_text(reason) +
+           ". The tables have the figures.</p>\n";
+  };
+  // What kept gnuplot from the picture of this run keeps it from these, perhaps for a minute.
+  if (!result.trajectory.empty() && !result.picture.ok()) {
+    return without_plots(result.picture.reason);
+  }
   const TrajectoryPlot map = make_run_plot(inputs, result);
   std::vector<std::string> names;
   std::vector<std::string> descriptions;
@@ -196,13 +209,10 @@ std::string plots_html(const RunInputs& inputs, const RunResult& result) {
   }
   std::vector<std::string> pictures;
   const FileStatus drawn = run_gnuplot(script, inputs.output_folder, "plots", names, &pictures);
-  if (!drawn.ok()) {
-    return html + "<p>There are no plots: " + html_text(drawn.reason) +
-           ". The tables have the figures.</p>\n";
-  }
+  if (!drawn.ok()) return without_plots(drawn.reason);
   html += "<div class=\"grid\">\n";
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    html += html_picture("image/svg+xml", pictures[i], descriptions[i]);
+    html += html_picture("image/svg+xml", pictures[i], descriptions[i], "");
   }
   return html + "</div>\n";
 }
@@ -218,7 +228,8 @@ std::vector<PlotPanel> run_panels(const RunInputs& inputs, const RunResult& resu
   panels.push_back(reliability_panel(result));
   if (!has_samples(panels.back())) panels.pop_back();
   panels.push_back(count_panel(result));
-  panels.push_back(time_panel(result));
+  panels.push_back(time_panel(result, "Tracking", false));
+  panels.push_back(time_panel(result, "Mapping", true));
   return panels;
 }
 
