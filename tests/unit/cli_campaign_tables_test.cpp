@@ -74,8 +74,11 @@ TEST(CampaignTables, HoldMedianSpreadAndImprovementOfTheMedians) {
   EXPECT_NEAR(variant.improvement_percent.value(), 86.66666666666667, 1e-9);
   EXPECT_NEAR(tables.cells[1][1].figures.at(kAte).improvement_percent.value(), -50.0, 1e-9);
   const auto mean = mean_improvement(tables, 1, kAte);
-  EXPECT_NEAR(mean.value().improvement_percent.value(), 18.333333333333336, 1e-9);
-  EXPECT_EQ(mean->count, 2U);
+  EXPECT_NEAR(mean.value, 18.333333333333336, 1e-9);
+  EXPECT_EQ(mean.count, 2U);
+  // (0.3 + 0.01) / 2 and (0.04 + 0.015) / 2.
+  EXPECT_NEAR(mean_figure(tables, 0, kAte).value, 0.155, 1e-12);
+  EXPECT_NEAR(mean_figure(tables, 1, kAte).value, 0.0275, 1e-12);
   EXPECT_FALSE(tables.cells[0][1].figures.at(kCoverage).improvement_percent.has_value());
   EXPECT_TRUE(tables.cells[0][1].is_complete());
 }
@@ -85,7 +88,7 @@ TEST(CampaignTables, ABaselineOfZeroHasNoImprovement) {
   records[0] = records[2] = done(0.0);
   const CampaignTables tables = make_tables(example_plan(), records);
   EXPECT_FALSE(tables.cells[0][1].figures.at(kAte).improvement_percent.has_value());
-  EXPECT_EQ(mean_improvement(tables, 1, kAte)->count, 1U);
+  EXPECT_EQ(mean_improvement(tables, 1, kAte).count, 1U);
 }
 
 TEST(CampaignTables, TheBestIsTheSmallestThatLostNothing) {
@@ -137,6 +140,9 @@ TEST(CampaignTables, AreLaidOutAsThePapers) {
   EXPECT_EQ(row_of(text, "ATE", "crowd"),
             "| crowd | 0.3000 (0.2000–0.4000, n=2) | 0.1500 (0.1000–0.2000, n=2) | "
             "**0.0400 (0.0300–0.0500, n=2)** | **0.0200 (0.0150–0.0250, n=2)** | 86.67 | 86.67 |");
+  EXPECT_EQ(row_of(text, "ATE", "Mean"),
+            "| Mean | 0.1550 (n=2) | 0.0775 (n=2) | 0.0275 (n=2) | 0.0138 (n=2) | 82.26 (n=2) | "
+            "82.26 (n=2) |");
   EXPECT_EQ(row_of(text, "ATE", "Mean of the improvements"),
             "| Mean of the improvements |  |  |  |  | 18.33 (n=2) | 18.33 (n=2) |");
   for (const char* part : {"00000000000000aa", "seeds: 1, 2", "alignment SE3", "matched_poses",

@@ -5,6 +5,7 @@
 #include "cli/campaign/campaign_metrics.hpp"
 #include "cli/number_text.hpp"
 #include "cli/text_list.hpp"
+#include "srslam/evaluation/improvement.hpp"
 
 namespace srslam::cli {
 namespace {
@@ -66,6 +67,41 @@ bool contains(const std::vector<std::size_t>& values, std::size_t value) {
   return false;
 }
 
+std::string mean_text(const CampaignMean& mean, int num_decimals) {
+  if (mean.count == 0) return "n/a";
+  return fixed_text(mean.value, num_decimals) + " (n=" + std::to_string(mean.count) + ")";
+}
+
+/// The rows below the sequences: mean errors with the improvement of these, mean improvements.
+void add_means(const CampaignPlan& plan, const CampaignTables& tables,
+               const CampaignErrorTable& error, TextTable* table) {
+  const std::size_t baseline = baseline_variant(plan);
+  Row errors = {std::string("Mean")};
+  Row improvements = {std::string("Mean of the improvements")};
+  for (std::size_t v = 0; v < plan.variants.size(); ++v) {
+    for (const char* key : {error.rmse, error.std}) {
+      errors.emplace_back(mean_text(mean_figure(tables, v, key), error.num_decimals));
+      improvements.emplace_back(std::string());
+    }
+  }
+  for (std::size_t v = 0; baseline < plan.variants.size() && v < plan.variants.size(); ++v) {
+    if (v == baseline) continue;
+    for (const char* key : {error.rmse, error.std}) {
+      const CampaignMean mean = mean_figure(tables, v, key);
+      const ImprovementResult improvement =
+          improvement_percent(mean.value, mean_figure(tables, baseline, key).value);
+      errors.emplace_back(improvement.status.ok()
+                              ? mean_text({improvement.percent, mean.count}, kPercentDecimals)
+                              : std::string("n/a"));
+      improvements.emplace_back(mean_text(mean_improvement(tables, v, key), kPercentDecimals));
+    }
+  }
+  table->rows.push_back(errors);
+  if (baseline < plan.variants.size() && plan.variants.size() > 1) {
+    table->rows.push_back(improvements);
+  }
+}
+
 TextTable error_table(const CampaignPlan& plan, const CampaignTables& tables,
                       const CampaignErrorTable& error) {
   const std::size_t baseline = baseline_variant(plan);
@@ -98,20 +134,7 @@ TextTable error_table(const CampaignPlan& plan, const CampaignTables& tables,
     }
     table.rows.push_back(row);
   }
-  if (!has_baseline || plan.variants.size() < 2 || tables.rows.size() < 2) return table;
-  Row mean = {std::string("Mean of the improvements")};
-  for (std::size_t i = 0; i < 2 * plan.variants.size(); ++i) mean.emplace_back(std::string());
-  for (std::size_t v = 0; v < plan.variants.size(); ++v) {
-    if (v == baseline) continue;
-    for (const char* key : {error.rmse, error.std}) {
-      const auto improvement = mean_improvement(tables, v, key);
-      mean.emplace_back(improvement
-                            ? fixed_text(*improvement->improvement_percent, kPercentDecimals) +
-                                  " (n=" + std::to_string(improvement->count) + ")"
-                            : std::string("n/a"));
-    }
-  }
-  table.rows.push_back(mean);
+  if (tables.rows.size() > 1) add_means(plan, tables, error, &table);
   return table;
 }
 
@@ -264,8 +287,9 @@ std::vector<std::string> table_statements(const CampaignPlan& plan, const Campai
   if (baseline_variant(plan) < plan.variants.size()) {
     lines.emplace_back(
         "Improvement: 100 (1 - value / baseline) of the medians (Eq. 25), negative when worse. The "
-        "last row is the mean of the improvements over the rows, not the improvement of the mean "
-        "errors.");
+        "row "
+        "Mean has the improvement of the mean errors, over the n rows where every variant has one; "
+        "the row below it the mean of the improvements. They are different figures.");
   } else {
     lines.emplace_back("No improvements: the variant baseline is not part of the campaign.");
   }

@@ -124,8 +124,8 @@ std::vector<std::size_t> best_variants(const CampaignTables& tables, std::size_t
   return best;
 }
 
-std::optional<CampaignAggregate> mean_improvement(const CampaignTables& tables, std::size_t variant,
-                                                  const std::string& key) {
+CampaignMean mean_improvement(const CampaignTables& tables, std::size_t variant,
+                              const std::string& key) {
   std::vector<double> improvements;
   for (const std::vector<CampaignCell>& row : tables.cells) {
     const CampaignAggregate* figure = row[variant].find(key);
@@ -133,11 +133,19 @@ std::optional<CampaignAggregate> mean_improvement(const CampaignTables& tables, 
       improvements.push_back(*figure->improvement_percent);
     }
   }
-  if (improvements.empty()) return std::nullopt;
-  const SampleStatistics statistics = summarize(improvements);
-  CampaignAggregate result{statistics.median, statistics.min, statistics.max, statistics.count, {}};
-  result.improvement_percent = statistics.mean;
-  return result;
+  return {summarize(improvements).mean, improvements.size()};
+}
+
+CampaignMean mean_figure(const CampaignTables& tables, std::size_t variant,
+                         const std::string& key) {
+  std::vector<double> medians;
+  for (const std::vector<CampaignCell>& row : tables.cells) {
+    const bool has_all = std::all_of(row.begin(), row.end(), [&key](const CampaignCell& cell) {
+      return cell.find(key) != nullptr;
+    });
+    if (has_all) medians.push_back(row[variant].find(key)->median);
+  }
+  return {summarize(medians).mean, medians.size()};
 }
 
 }  // namespace srslam::cli

@@ -62,9 +62,18 @@ std::vector<std::size_t> best_variants(const CampaignTables& tables, std::size_t
 /// Place of the variant `baseline` in the plan, or the number of variants without one.
 std::size_t baseline_variant(const CampaignPlan& plan);
 
-/// Mean of the improvements of `variant` in figure `key` over the rows that have one, and their
-/// number; none without any.
-std::optional<CampaignAggregate> mean_improvement(const CampaignTables& tables, std::size_t variant,
-                                                  const std::string& key);
+/// A mean over rows of the tables.
+struct CampaignMean {
+  double value = 0.0;
+  std::size_t count = 0;  ///< rows; without any there is no value
+};
+
+/// Mean of the improvements of `variant` in figure `key` over the rows that have one.
+CampaignMean mean_improvement(const CampaignTables& tables, std::size_t variant,
+                              const std::string& key);
+
+/// Mean of the medians of `variant` in figure `key` over the rows where every variant has one, so
+/// that means of variants can be compared.
+CampaignMean mean_figure(const CampaignTables& tables, std::size_t variant, const std::string& key);
 
 }  // namespace srslam::cli
