@@ -35,7 +35,7 @@ std::string gaps_text(const CampaignCell& cell) {
 }
 
 std::string spread_text(const CampaignAggregate& figure, int num_decimals, double scale = 1.0) {
-  const std::string median = fixed_text(scale * figure.median, num_decimals);
+  std::string median = fixed_text(scale * figure.median, num_decimals);
   const std::string min = fixed_text(scale * figure.min, num_decimals);
   const std::string max = fixed_text(scale * figure.max, num_decimals);
   if (figure.count < 2) return median;
@@ -45,7 +45,7 @@ std::string spread_text(const CampaignAggregate& figure, int num_decimals, doubl
 
 std::string figure_text(const CampaignCell& cell, const std::string& key, int num_decimals) {
   const CampaignAggregate* figure = cell.find(key);
-  const std::string gaps = gaps_text(cell);
+  std::string gaps = gaps_text(cell);
   if (figure == nullptr) {
     if (cell.num_done == 0) return gaps;
     return gaps.empty() ? "n/a" : "n/a; " + gaps;
@@ -179,7 +179,7 @@ std::string notes_text(const CampaignCell& cell) {
   }
   for (const std::string figure : {"ate", "rpe_1_frame", "rpe_1_s"}) {
     const std::string reason = fact_text(cell, figure + "_reason");
-    if (!reason.empty()) notes.push_back(figure + ": " + reason);
+    if (!reason.empty()) notes.push_back(joined({figure, reason}, ": "));
   }
   return joined(notes, "; ");
 }
@@ -216,7 +216,7 @@ TextTable basis_table(const CampaignPlan& plan, const CampaignTables& tables) {
       row.emplace_back(optional_text(cell, "rpe_1_s_num_pairs", 0));
       const std::string ate = fact_text(cell, "ate_groundtruth");
       const std::string rpe = fact_text(cell, "rpe_groundtruth");
-      row.emplace_back(ate == rpe ? ate : ate + " / " + rpe);
+      row.emplace_back(ate == rpe ? ate : joined({ate, rpe}, " / "));
       row.emplace_back(notes_text(cell));
       table.rows.push_back(row);
     }

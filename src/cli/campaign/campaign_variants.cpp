@@ -64,8 +64,9 @@ std::string parse_variants(const std::string& text, const std::vector<Module>& m
     CampaignVariant variant{name, {}};
     const std::string reason = modules_of_variant(name, modules, &variant.modules);
     if (!reason.empty()) {
-      return "variant '" + name + "': " + reason +
-             "; a variant is baseline, full or module letters such as SPD";
+      return joined({"variant '", name, "': ", reason,
+                     "; a variant is baseline, full or module letters such as SPD"},
+                    "");
     }
     const auto same = std::find_if(
         result.begin(), result.end(),

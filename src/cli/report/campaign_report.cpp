@@ -77,11 +77,17 @@ std::string error_chart_script(const CampaignPlan& plan, const CampaignTables& t
               " " + shortest_text(figure->min) + " " + shortest_text(figure->max) + "\n";
     }
     if (rows.empty()) continue;
-    const std::string block = "$variant" + std::to_string(v);
-    blocks += block + " << END_OF_DATA\n" + rows + "END_OF_DATA\n";
-    plots += (plots.empty() ? "plot " : ", ") + block +
-             " using 1:2:3:4 with xerrorbars pt 7 ps 0.7 lw 1.6 lc rgb '" +
-             kColors[v % kColors.size()] + "' title " + gnuplot_quoted(plan.variants[v].name);
+    std::string block = "$variant";
+    block += std::to_string(v);
+    blocks += block;
+    blocks += " << END_OF_DATA\n";
+    blocks += rows;
+    blocks += "END_OF_DATA\n";
+    plots += plots.empty() ? "plot " : ", ";
+    plots += block;
+    plots += " using 1:2:3:4 with xerrorbars pt 7 ps 0.7 lw 1.6 lc rgb '";
+    plots += kColors[v % kColors.size()];
+    plots += "' title " + gnuplot_quoted(plan.variants[v].name);
   }
   if (plots.empty()) return {};
   constexpr int kWidth_px = 520;

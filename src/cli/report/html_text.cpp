@@ -73,12 +73,13 @@ std::string html_table(const TextTable& table) {
   for (const std::vector<TextTable::Field>& row : table.rows) {
     text += "<tr>";
     for (const TextTable::Field& field : row) {
-      std::string shown = html_text(field.text);
-      if (field.emphasized) shown = "<b>" + shown + "</b>";
-      if (!field.link.empty()) {
-        shown = "<a href=\"" + html_text(field.link) + "\">" + shown + "</a>";
-      }
-      text += "<td>" + shown + "</td>";
+      text += "<td>";
+      if (!field.link.empty()) text += "<a href=\"" + html_text(field.link) + "\">";
+      if (field.emphasized) text += "<b>";
+      text += html_text(field.text);
+      if (field.emphasized) text += "</b>";
+      if (!field.link.empty()) text += "</a>";
+      text += "</td>";
     }
     text += "</tr>\n";
   }
