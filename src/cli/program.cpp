@@ -82,7 +82,7 @@ CLI::App* add_run_command(CLI::App* program, RunSettings* settings) {
                   "tracking; the result is the same. Takes precedence over --config")
       ->check(CLI::Range(1, 2).description(""))
       ->type_name("1|2");
-  run->add_flag("!--no-report", settings->with_report, "Do not write report.html");
+  run->add_flag("--no-report", settings->without_report, "Do not write report.html");
   run->add_flag("--quiet", settings->quiet,
                 "No description of the inputs and no progress line; warnings remain");
   return run;

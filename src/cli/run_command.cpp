@@ -256,7 +256,7 @@ int run_command(const RunSettings& settings) {
   const std::string reason = load_run_inputs(settings, &inputs);
   if (!reason.empty()) return usage_error(reason);
   if (!settings.quiet) std::cout << describe_run_inputs(inputs) << std::flush;
-  Run run(inputs, settings.with_report, settings.quiet);
+  Run run(inputs, !settings.without_report, settings.quiet);
   const FileStatus opened = run.open();
   if (!opened.ok()) return usage_error(opened.message());
   return run.execute();

@@ -28,7 +28,7 @@ struct RunSettings {
   std::string output_folder;
   std::optional<std::size_t> max_frames;
   std::optional<int> num_threads;
-  bool with_report = true;
+  bool without_report = false;
   bool quiet = false;
 };
 
