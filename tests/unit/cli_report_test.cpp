@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -121,7 +122,7 @@ TEST(FramePictures, ChoosesTheWorstTheLostAndAnEvenSpread) {
 }
 
 TEST(FramePictures, DrawFeaturesInTheColourOfTheirLabelAndBoxes) {
-  const std::vector<std::uint8_t> pixels(64 * 48, 100);
+  const std::vector<std::uint8_t> pixels(std::size_t{64} * 48, 100);
   const ImageView<const std::uint8_t> gray(pixels.data(), 64, 48);
   const std::vector<DrawnFeature> features = {{20.0F, 20.0F, FeatureLabel::kInlier},
                                               {40.0F, 30.0F, FeatureLabel::kOutlier},
