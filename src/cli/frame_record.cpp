@@ -1,22 +1,9 @@
 #include "cli/frame_record.hpp"
 
 #include "cli/number_text.hpp"
+#include "cli/text_list.hpp"
 
 namespace srslam::cli {
-namespace {
-
-/// A field that may hold commas, quotes or line ends.
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char character : text) {
-    if (character == '"') quoted += '"';
-    quoted += character;
-  }
-  return quoted + "\"";
-}
-
-}  // namespace
 
 std::string frames_csv_header() {
   std::string line =

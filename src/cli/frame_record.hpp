@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "srslam/pipeline/reference_pipeline.hpp"
@@ -43,10 +44,14 @@ struct FrameRecord {
   std::size_t index = 0;
   double timestamp_s = 0.0;
   FrameOutcome outcome = FrameOutcome::kDamaged;
+  int num_features = 0;
+  int num_matches = 0;
   int num_inliers = 0;
-  double decode_ms = 0.0;     ///< of the images, beside tracking when there are two threads
-  double read_wait_ms = 0.0;  ///< until the decoded frame was there
-  StageTimes times;           ///< all 0 when the pipeline did not see the frame
+  std::optional<double> reliability;  ///< of the scene, in [0, 1] (Eq. 7), where it is judged
+  std::optional<bool> is_good;        ///< GOOD or BAD (Eq. 8), where it is judged
+  double decode_ms = 0.0;             ///< of the images, beside tracking when there are two threads
+  double read_wait_ms = 0.0;          ///< until the decoded frame was there
+  StageTimes times;                   ///< all 0 when the pipeline did not see the frame
 };
 
 /// A stage whose time is reported, in the order of the flow.

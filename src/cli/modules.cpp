@@ -1,7 +1,8 @@
 #include "cli/modules.hpp"
 
 #include <algorithm>
-#include <cstddef>
+
+#include "cli/text_list.hpp"
 
 namespace srslam::cli {
 namespace {
@@ -20,21 +21,6 @@ std::string describe_modules(const std::vector<Module>& modules) {
     text += std::string(1, module.letter) + " (" + module.name + ")";
   }
   return text;
-}
-
-/// Parts between commas without the blanks around them; empty parts are kept, to be refused.
-std::vector<std::string> split_at_commas(const std::string& text) {
-  std::vector<std::string> parts;
-  std::size_t begin = 0;
-  while (begin <= text.size()) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    std::string part = text.substr(begin, end - begin);
-    part.erase(0, part.find_first_not_of(' '));
-    part.erase(part.find_last_not_of(' ') + 1);
-    parts.push_back(part);
-    begin = end + 1;
-  }
-  return parts;
 }
 
 }  // namespace

@@ -7,12 +7,14 @@
 #include <iostream>
 #include <string>
 
+#include "cli/campaign/campaign_command.hpp"
 #include "cli/evaluate_command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/modules.hpp"
 #include "cli/options_command.hpp"
 #include "cli/run_command.hpp"
 #include "cli/synth_command.hpp"
+#include "cli/text_list.hpp"
 #include "srslam/io/camera_file.hpp"
 #include "srslam/version.hpp"
 
@@ -22,11 +24,7 @@ namespace {
 constexpr const char* kCameraFrame = "camera";
 constexpr const char* kMarkerFrame = "bonn_marker";
 
-std::string preset_list() {
-  std::string text;
-  for (const std::string& name : camera_preset_names()) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
+std::string preset_list() { return joined(camera_preset_names()); }
 
 std::string module_list() {
   std::string text;
@@ -85,6 +83,7 @@ CLI::App* add_run_command(CLI::App* program, RunSettings* settings) {
                   "tracking; the result is the same. Takes precedence over --config")
       ->check(CLI::Range(1, 2).description(""))
       ->type_name("1|2");
+  run->add_flag("--no-report", settings->without_report, "Do not write report.html");
   run->add_flag("--quiet", settings->quiet,
                 "No description of the inputs and no progress line; warnings remain");
   return run;
@@ -201,6 +200,9 @@ int dispatch(int argc, const char* const* argv) {
   SynthSettings synth_settings;
   const CLI::App* synth = add_synth_command(&program, &synth_settings);
 
+  CampaignSettings campaign_settings;
+  const CLI::App* campaign = add_campaign_command(&program, &campaign_settings);
+
   OptionsSettings options_settings;
   CLI::App* options = program.add_subcommand(
       "options", "Every pipeline option with value, range, unit and meaning");
@@ -216,6 +218,7 @@ int dispatch(int argc, const char* const* argv) {
   }
   if (run->parsed()) return run_command(run_settings);
   if (synth->parsed()) return synth_command(synth_settings);
+  if (campaign->parsed()) return campaign_command(campaign_settings);
   if (options->parsed()) return options_command(options_settings);
   if (with_scale) evaluate_settings.report.alignment = Alignment::kSim3;
   if (rpe_definition == "tum_tool") {

@@ -10,7 +10,6 @@ namespace srslam::cli {
 namespace {
 
 constexpr double kTerminalInterval_s = 0.1;
-constexpr double kLogInterval_s = 1.0;
 /// Back to the first column, clear to the end.
 constexpr const char* kClearLine = "\r\033[K";
 
@@ -23,23 +22,23 @@ std::string progress_text(std::size_t num_done, std::size_t num_frames, double e
          fixed_text(fps, 1) + " frames/s  " + state;
 }
 
-ProgressLine::ProgressLine(std::size_t num_frames, bool enabled)
-    : num_frames_(num_frames),
-      enabled_(enabled),
+ProgressLine::ProgressLine(bool enabled, double log_interval_s)
+    : enabled_(enabled),
       is_terminal_(::isatty(STDERR_FILENO) == 1),
+      log_interval_s_(log_interval_s),
       start_(Clock::now()) {}
 
 double ProgressLine::elapsed_s() const {
   return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
-void ProgressLine::update(std::size_t num_done, const std::string& state) {
+void ProgressLine::update(const std::string& text) {
   if (!enabled_) return;
   const double now_s = elapsed_s();
-  text_ = progress_text(num_done, num_frames_, now_s, state);
+  text_ = text;
   is_shown_ = false;
   if (now_s < next_show_s_) return;
-  next_show_s_ = now_s + (is_terminal_ ? kTerminalInterval_s : kLogInterval_s);
+  next_show_s_ = now_s + (is_terminal_ ? kTerminalInterval_s : log_interval_s_);
   show();
 }
 

@@ -10,14 +10,15 @@ namespace srslam::cli {
 std::string progress_text(std::size_t num_done, std::size_t num_frames, double elapsed_s,
                           const std::string& state);
 
-/// Shows the progress of a run on the standard error: one line that is overwritten on a terminal,
-/// one line every second otherwise. Says nothing when disabled, but passes messages on.
+/// Shows the progress of a command on the standard error: one line that is overwritten on a
+/// terminal, one line every `log_interval_s` otherwise. Says nothing when disabled, but passes
+/// messages on.
 class ProgressLine {
  public:
-  ProgressLine(std::size_t num_frames, bool enabled);
+  explicit ProgressLine(bool enabled, double log_interval_s = 1.0);
 
-  /// After each frame.
-  void update(std::size_t num_done, const std::string& state);
+  /// After each step. What is not due yet is kept for the next time, or for the end.
+  void update(const std::string& text);
   /// Prints `text` as a line of its own, progress or not.
   void message(const std::string& text);
   /// Ends the line; the last state stays visible.
@@ -31,9 +32,9 @@ class ProgressLine {
 
   void show();
 
-  std::size_t num_frames_;
   bool enabled_;
   bool is_terminal_;
+  double log_interval_s_;
   Clock::time_point start_;
   double next_show_s_ = 0.0;
   std::string text_;

@@ -10,6 +10,7 @@
 #include "cli/frame_record.hpp"
 #include "cli/number_text.hpp"
 #include "cli/progress_line.hpp"
+#include "cli/report/run_report.hpp"
 #include "cli/run_outputs.hpp"
 #include "cli/run_plot.hpp"
 #include "cli/run_result.hpp"
@@ -75,12 +76,17 @@ std::string nothing_tracked_reason(const RunInputs& inputs, const RunResult& res
 /// One run: the frames first, then everything that is known only at the end.
 class Run {
  public:
-  Run(const RunInputs& inputs, bool quiet)
+  Run(const RunInputs& inputs, bool with_report, bool quiet)
       : inputs_(inputs),
+        with_report_(with_report),
         pipeline_(inputs.camera.camera, inputs.options),
-        progress_(inputs.num_frames, !quiet) {}
+        progress_(!quiet) {}
 
-  FileStatus open() { return outputs_.open(inputs_); }
+  FileStatus open() {
+    FileStatus status = outputs_.open(inputs_);
+    if (status.ok() && with_report_) features_.open(inputs_.output_folder);
+    return status;
+  }
 
   int execute() {
     const Clock::time_point start = Clock::now();
@@ -120,7 +126,8 @@ class Run {
       record.read_wait_ms = milliseconds_since(start);
       const FileStatus status = process(loaded, &record);
       if (!status.ok()) return status.message();
-      progress_.update(result_.records.size(), to_string(record.outcome));
+      progress_.update(progress_text(result_.records.size(), inputs_.num_frames,
+                                     progress_.elapsed_s(), to_string(record.outcome)));
     }
     return {};
   }
@@ -140,8 +147,11 @@ class Run {
     if (record->outcome == FrameOutcome::kRefused) {
       return log_skipped(*record, std::string("refused by the pipeline: ") + result.status.reason);
     }
+    record->num_features = result.num_features;
+    record->num_matches = result.num_matches;
     record->num_inliers = result.num_inliers;
     record->times = result.times;
+    if (with_report_) features_.append(record->index, result);
     result_.num_map_points = result.num_map_points;
     result_.records.push_back(*record);
     if (record->outcome == FrameOutcome::kTracked) {
@@ -208,6 +218,12 @@ class Run {
     if (!result_.picture.ok() && !result_.trajectory.empty()) {
       warn("the picture is not written: " + result_.picture.message());
     }
+    const std::string page_file = outputs_.path(kReportFile);
+    result_.page =
+        with_report_
+            ? write_file_atomically(page_file, run_report_page(inputs_, result_, features_))
+            : FileStatus::failure(StatusCode::kNotRun, page_file, 0, "--no-report was given");
+    if (with_report_) require_written(result_.page);
     require_written(
         write_file_atomically(outputs_.path(kSummaryFile), summary_json_text(inputs_, result_)));
   }
@@ -219,9 +235,11 @@ class Run {
   }
 
   const RunInputs& inputs_;
+  bool with_report_;
   ReferencePipeline pipeline_;
   ProgressLine progress_;
   RunOutputs outputs_;
+  FeatureStore features_;
   RunResult result_;
 };
 
@@ -238,7 +256,7 @@ int run_command(const RunSettings& settings) {
   const std::string reason = load_run_inputs(settings, &inputs);
   if (!reason.empty()) return usage_error(reason);
   if (!settings.quiet) std::cout << describe_run_inputs(inputs) << std::flush;
-  Run run(inputs, settings.quiet);
+  Run run(inputs, !settings.without_report, settings.quiet);
   const FileStatus opened = run.open();
   if (!opened.ok()) return usage_error(opened.message());
   return run.execute();

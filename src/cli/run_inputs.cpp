@@ -7,6 +7,7 @@
 
 #include "cli/number_text.hpp"
 #include "cli/pipeline_config.hpp"
+#include "cli/text_list.hpp"
 #include "cli/trajectory_report.hpp"
 #include "srslam/io/detections_file.hpp"
 #include "srslam/io/trajectory_file.hpp"
@@ -17,12 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kNone = "none";
-
-std::string joined(const std::vector<std::string>& parts) {
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
-  return text;
-}
 
 bool exists(const std::string& path) {
   std::error_code error;
@@ -50,23 +45,16 @@ std::string open_dataset(const RunSettings& settings, RunInputs* inputs) {
 }
 
 std::string load_camera(const RunSettings& settings, RunInputs* inputs) {
-  const std::vector<std::string> presets = camera_preset_names();
   std::string camera = settings.camera;
   if (camera.empty()) {
     camera = inputs->dataset.camera_file();
     if (camera.empty()) {
       return "no camera: the dataset folder has no camera.yaml; give --camera with a preset (" +
-             joined(presets) + ") or a camera file (format: docs/camera_file.md)";
+             joined(camera_preset_names()) + ") or a camera file (format: docs/camera_file.md)";
     }
   }
-  const bool is_preset = std::find(presets.begin(), presets.end(), camera) != presets.end();
-  if (!is_preset && !exists(camera)) {
-    return "--camera '" + camera + "' is neither a preset (" + joined(presets) +
-           ") nor an existing camera file";
-  }
-  const FileStatus status = is_preset ? camera_preset(camera, &inputs->camera)
-                                      : read_camera_file(camera, &inputs->camera);
-  if (!status.ok()) return status.message();
+  std::string reason = read_camera(camera, &inputs->camera);
+  if (!reason.empty()) return reason;
   inputs->camera_depth_units_per_m = inputs->camera.depth_units_per_m;
   if (settings.depth_scale) {
     inputs->camera.depth_units_per_m = *settings.depth_scale;
@@ -123,6 +111,20 @@ std::string load_options(const RunSettings& settings, RunInputs* inputs) {
 }
 
 }  // namespace
+
+bool is_camera_preset(const std::string& camera) {
+  const std::vector<std::string> presets = camera_preset_names();
+  return std::find(presets.begin(), presets.end(), camera) != presets.end();
+}
+
+std::string read_camera(const std::string& camera, RgbdCamera* result) {
+  if (is_camera_preset(camera)) return camera_preset(camera, result).message();
+  if (!exists(camera)) {
+    return "--camera '" + camera + "' is neither a preset (" + joined(camera_preset_names()) +
+           ") nor an existing camera file";
+  }
+  return read_camera_file(camera, result).message();
+}
 
 std::string load_run_inputs(const RunSettings& settings, RunInputs* inputs) {
   // What the command line alone decides comes first: it is the quickest to put right.

@@ -28,6 +28,7 @@ struct RunSettings {
   std::string output_folder;
   std::optional<std::size_t> max_frames;
   std::optional<int> num_threads;
+  bool without_report = false;
   bool quiet = false;
 };
 
@@ -51,6 +52,12 @@ struct RunInputs {
 
 /// Detections belong to a colour frame when their time stamps differ by at most this.
 constexpr double kDetectionTolerance_s = 0.02;
+
+/// Whether `camera` is the name of a preset; it is a file otherwise.
+bool is_camera_preset(const std::string& camera);
+
+/// Reads what `--camera` names, a preset or a camera file. Returns an empty string or the reason.
+std::string read_camera(const std::string& camera, RgbdCamera* result);
 
 /// Reads and checks all inputs that `settings` names; nothing is written. Returns an empty string,
 /// or what is wrong and what would be right.

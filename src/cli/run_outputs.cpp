@@ -33,8 +33,9 @@ FileStatus RunOutputs::open(const RunInputs& inputs) {
     return io_failure(folder_, "the output folder cannot be created" +
                                    (error ? ": " + error.message() : std::string()));
   }
-  for (const char* file_name : {kTrajectoryFile, kOptimizedTrajectoryFile, kKeyframesFile,
-                                kFramesFile, kConfigFile, kSummaryFile, kPictureFile}) {
+  for (const char* file_name :
+       {kTrajectoryFile, kOptimizedTrajectoryFile, kKeyframesFile, kFramesFile, kConfigFile,
+        kSummaryFile, kPictureFile, kReportFile}) {
     fs::remove(path(file_name), error);
     if (error) {
       return io_failure(path(file_name),

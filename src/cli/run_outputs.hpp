@@ -18,6 +18,7 @@ constexpr const char* kFramesFile = "frames.csv";
 constexpr const char* kConfigFile = "config.yaml";
 constexpr const char* kSummaryFile = "summary.json";
 constexpr const char* kPictureFile = "trajectory.png";
+constexpr const char* kReportFile = "report.html";
 
 /// The files that a run writes while it goes on, each line handed to the operating system at once,
 /// so that whatever ends the program costs nothing that was done before.

@@ -33,9 +33,10 @@ std::vector<TrajectoryPlot::ReferencePiece> reference_pieces(const Trajectory& g
   std::vector<TrajectoryPlot::ReferencePiece> pieces;
   std::size_t gap = 0;
   for (const StampedPose& pose : groundtruth) {
-    if (pose.timestamp_s < plot.begin_s || pose.timestamp_s > plot.end_s) continue;
-    while (gap < plot.gaps.size() && pose.timestamp_s >= plot.gaps[gap].end_s) ++gap;
-    const bool tracked = gap == plot.gaps.size() || pose.timestamp_s < plot.gaps[gap].begin_s;
+    if (pose.timestamp_s < plot.time.begin_s || pose.timestamp_s > plot.time.end_s) continue;
+    while (gap < plot.time.gaps.size() && pose.timestamp_s >= plot.time.gaps[gap].end_s) ++gap;
+    const bool tracked =
+        gap == plot.time.gaps.size() || pose.timestamp_s < plot.time.gaps[gap].begin_s;
     const Eigen::Vector3d position_m = pose.T_world_camera.translation();
     if (pieces.empty() || pieces.back().tracked != tracked) {
       TrajectoryPlot::ReferencePiece piece;
@@ -112,7 +113,7 @@ void add_progress(const RunResult& result, TrajectoryPlot* plot) {
   std::vector<double> times_s;
   times_s.reserve(result.trajectory.size());
   for (const StampedPose& pose : result.trajectory) {
-    times_s.push_back(pose.timestamp_s - plot->begin_s);
+    times_s.push_back(pose.timestamp_s - plot->time.begin_s);
   }
   plot->estimate = estimate_positions(result, Pose::Identity(), times_s);
   PlotSeries inliers{"inliers", {}};
@@ -133,10 +134,10 @@ TrajectoryPlot make_run_plot(const RunInputs& inputs, const RunResult& result) {
   plot.title = inputs.dataset_name + ": " + std::to_string(result.trajectory.size()) + " of " +
                std::to_string(result.records.size()) + " frames tracked";
   if (!result.records.empty()) {
-    plot.begin_s = result.records.front().timestamp_s;
-    plot.end_s = result.records.back().timestamp_s;
+    plot.time.begin_s = result.records.front().timestamp_s;
+    plot.time.end_s = result.records.back().timestamp_s;
   }
-  plot.gaps = untracked_intervals(result.records);
+  plot.time.gaps = untracked_intervals(result.records);
   if (result.report && result.report->ate.status.ok()) {
     add_errors(*result.report, inputs.groundtruth, result, &plot);
   } else {

@@ -7,23 +7,11 @@
 #include "cli/number_text.hpp"
 #include "cli/pipeline_config.hpp"
 #include "cli/run_outputs.hpp"
-#include "cli/sample_statistics.hpp"
 
 namespace srslam::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Times of one stage over the frames in which it ran.
-SampleStatistics stage_statistics(const RunResult& result, const Stage& stage) {
-  std::vector<double> times_ms;
-  times_ms.reserve(result.records.size());
-  for (const FrameRecord& record : result.records) {
-    const double time_ms = record.times.*stage.field;
-    if (time_ms > 0.0) times_ms.push_back(time_ms);
-  }
-  return summarize(std::move(times_ms));
-}
 
 /// Times that every frame has.
 SampleStatistics record_statistics(const RunResult& result, double FrameRecord::*field) {
@@ -126,6 +114,11 @@ Json timing_json(const RunInputs& inputs, const RunResult& result) {
               {"stages", stages}};
 }
 
+Json written_json(const FileStatus& status) {
+  return status.ok() ? Json{{"written", true}}
+                     : Json{{"written", false}, {"reason", status.reason}};
+}
+
 Json versions_json() {
   const LibraryVersions versions = library_versions();
   return Json{{"srslam", versions.srslam},
@@ -163,6 +156,16 @@ std::string line(const std::string& label, const std::string& text) {
 
 }  // namespace
 
+SampleStatistics stage_statistics(const RunResult& result, const Stage& stage) {
+  std::vector<double> times_ms;
+  times_ms.reserve(result.records.size());
+  for (const FrameRecord& record : result.records) {
+    const double time_ms = record.times.*stage.field;
+    if (time_ms > 0.0) times_ms.push_back(time_ms);
+  }
+  return summarize(std::move(times_ms));
+}
+
 std::array<std::size_t, kNumFrameOutcomes> RunResult::counts() const {
   std::array<std::size_t, kNumFrameOutcomes> result = {};
   for (const FrameRecord& record : records) ++result[static_cast<std::size_t>(record.outcome)];
@@ -199,9 +202,8 @@ std::string summary_json_text(const RunInputs& inputs, const RunResult& result) 
   json["evaluation"] = evaluation_json(inputs, result);
   json["timing"] = timing_json(inputs, result);
   json["peak_memory_mib"] = peak_memory_mib();
-  json["picture"] = result.picture.ok()
-                        ? Json{{"written", true}}
-                        : Json{{"written", false}, {"reason", result.picture.reason}};
+  json["picture"] = written_json(result.picture);
+  json["report"] = written_json(result.page);
   json["config_hash"] = config_hash(inputs.options);
   json["versions"] = versions_json();
   json["machine"] = machine_json();

@@ -9,6 +9,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/frame_record.hpp"
 #include "cli/run_inputs.hpp"
+#include "cli/sample_statistics.hpp"
 #include "cli/trajectory_report.hpp"
 #include "srslam/core/status.hpp"
 #include "srslam/evaluation/trajectory.hpp"
@@ -31,12 +32,16 @@ struct RunResult {
   std::optional<TrajectoryReport> report;
   std::optional<TrajectoryReport> optimized_report;
   FileStatus picture;  ///< of trajectory.png
+  FileStatus page;     ///< of report.html
 
   std::array<std::size_t, kNumFrameOutcomes> counts() const;
   std::size_t count(FrameOutcome outcome) const;
   /// Frames that have a depth image close enough in time, damaged or not.
   std::size_t num_with_depth(const TumDataset& dataset) const;
 };
+
+/// Times of one stage over the frames in which it ran.
+SampleStatistics stage_statistics(const RunResult& result, const Stage& stage);
 
 /// The contents of summary.json; docs/program.md lists the members.
 std::string summary_json_text(const RunInputs& inputs, const RunResult& result);

@@ -15,6 +15,7 @@ SampleStatistics summarize(std::vector<double> values) {
   statistics.median = n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
   // ceil(0.95 n) in integers: 0.95 is not a binary number, and 20 values must give rank 19.
   statistics.p95 = values[(95 * n + 99) / 100 - 1];
+  statistics.min = values.front();
   statistics.max = values.back();
   return statistics;
 }

@@ -10,6 +10,7 @@ struct SampleStatistics {
   std::size_t count = 0;
   double mean = 0.0;
   double median = 0.0;  ///< mean of the two middle values when count is even
+  double min = 0.0;
   double p95 = 0.0;  ///< nearest rank: the smallest value that >= 95 % of the values do not exceed
   double max = 0.0;
 };

@@ -7,7 +7,10 @@
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <system_error>
+#include <utility>
 
 namespace srslam::cli {
 namespace {
@@ -47,6 +50,16 @@ FileStatus write_file_atomically(const std::string& path, const std::string& tex
     ::unlink(temporary.c_str());
     return failure(path, "cannot be written", error_number);
   }
+  return FileStatus::success();
+}
+
+FileStatus read_text_file(const std::string& path, std::string* text) {
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return failure(path, "cannot be opened", errno);
+  std::string content{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (stream.bad()) return failure(path, "cannot be read", errno);
+  *text = std::move(content);
   return FileStatus::success();
 }
 

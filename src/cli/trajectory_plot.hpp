@@ -4,38 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "cli/time_panel.hpp"
 #include "srslam/core/status.hpp"
 
 namespace srslam::cli {
-
-/// A value that changes over the run.
-struct PlotSample {
-  double timestamp_s = 0.0;
-  double value = 0.0;
-};
-
-struct PlotSeries {
-  std::string name;  ///< legend
-  std::vector<PlotSample> samples;
-};
-
-/// One of the two diagrams over time.
-struct PlotPanel {
-  std::string title;
-  std::string value_label;  ///< with the unit
-  std::vector<PlotSeries> series;
-};
 
 /// A position of the estimate in the map view.
 struct PlotPosition {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   double color_value = 0.0;     ///< what the colour bar shows
   bool starts_segment = false;  ///< not joined to the one before: frames between them were lost
-};
-
-struct PlotInterval {
-  double begin_s = 0.0;
-  double end_s = 0.0;
 };
 
 /// Everything that the picture shows. Positions of estimate and reference are in one frame.
@@ -50,9 +28,7 @@ struct TrajectoryPlot {
     std::vector<Eigen::Vector3d> positions_m;
   };
   std::vector<ReferencePiece> reference;
-  double begin_s = 0.0;  ///< time stamps of the first and last frame; the time axes start at 0
-  double end_s = 0.0;
-  std::vector<PlotInterval> gaps;  ///< when the camera was not tracked
+  PlotTime time;
   PlotPanel upper;
   PlotPanel lower;
 };
@@ -67,6 +43,9 @@ PlotAxes most_extended_axes(const TrajectoryPlot& plot);
 /// The gnuplot script, data included, that draws `plot` into `trajectory.png` of the working
 /// folder. Text taken from outside cannot become gnuplot commands.
 std::string gnuplot_script(const TrajectoryPlot& plot);
+
+/// gnuplot commands that draw the map of `plot` alone into a picture of this size.
+std::string map_script(const TrajectoryPlot& plot, int width_px, int height_px);
 
 /// Draws `plot` with the program `gnuplot` into `png_file`, which appears whole or not at all.
 /// Works in a hidden folder beside it, which is removed again.

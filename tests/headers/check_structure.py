@@ -133,12 +133,12 @@ class Checker:
             name = folder.name
             if name in self.absent or (name == "cli" and name not in self.components):
                 continue
-            listed = {pathlib.Path(source).name
+            listed = {folder / source
                       for source in self.components.get(name, {}).get("SOURCES", [])}
-            for source in sorted(folder.glob("*.cpp")):
-                if source.name not in listed:
-                    self.problem(f"src/{name}/{source.name} is not listed in "
-                                 f"src/{name}/CMakeLists.txt")
+            for source in sorted(folder.rglob("*.cpp")):
+                if source not in listed:
+                    self.problem(f"src/{name}/{source.relative_to(folder).as_posix()} is not "
+                                 f"listed in src/{name}/CMakeLists.txt")
 
     def check_flow(self):
         for name, facts in self.components.items():
@@ -217,7 +217,7 @@ class Checker:
                     self.check_file(path, name, is_public=True)
             folder = self.root / "src" / name
             if folder.is_dir():
-                for path in sorted(folder.iterdir()):
+                for path in sorted(folder.rglob("*")):
                     if path.suffix in (".cpp", ".hpp"):
                         self.check_file(path, name, is_public=False)
 

@@ -283,10 +283,12 @@ TEST_F(CliProgram, TheManualShowsTheOptionsAsTheyAre) {
 }
 
 TEST_F(CliProgram, TheManualNamesEveryOptionOfEveryCommand) {
-  const std::filesystem::path manual =
-      std::filesystem::path(__FILE__).parent_path() / "../../docs/program.md";
-  const std::string text = read_text(manual.string());
-  for (const char* command : {"run", "evaluate", "options"}) {
+  const std::filesystem::path docs = std::filesystem::path(__FILE__).parent_path() / "../../docs";
+  for (const auto& [command, file] : {std::pair{"run", "program.md"},
+                                      {"evaluate", "program.md"},
+                                      {"options", "program.md"},
+                                      {"campaign", "campaigns.md"}}) {
+    const std::string text = read_text((docs / file).string());
     const ProgramResult help = run_program({command, "--help"}, folder_.path());
     std::size_t num_options = 0;
     for (std::size_t at = help.out.find("\n  --"); at != std::string::npos;
@@ -294,7 +296,7 @@ TEST_F(CliProgram, TheManualNamesEveryOptionOfEveryCommand) {
       const std::size_t begin = at + 3;
       const std::string option = help.out.substr(begin, help.out.find(' ', begin) - begin);
       EXPECT_NE(text.find("`" + option), std::string::npos)
-          << "docs/program.md lacks " << option << " of " << command;
+          << "docs/" << file << " lacks " << option << " of " << command;
       ++num_options;
     }
     EXPECT_GE(num_options, 2U) << help.out;

@@ -223,6 +223,13 @@ TEST_F(CliRun, TracksTheRoomAndWritesEverything) {
   EXPECT_TRUE(config.ok()) << config.message();
   EXPECT_EQ(cli::config_file_text(options), cli::config_file_text({}));
   expect_png(out + "/trajectory.png", 1400, 700);
+  EXPECT_EQ(summary["report"]["written"], true);
+  EXPECT_TRUE(fs::exists(out + "/report.html"));
+  const std::string page = read_text(out + "/report.html");
+  for (const char* part : {"Errors of trajectory.txt", "Errors of trajectory_optimized.txt",
+                           "Time by stage [ms]", "image/svg+xml", "image/jpeg", "largest error"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
 
   // What was found rather than asked for is said; progress goes to the standard error alone.
   for (const char* part : {"camera.yaml", "detections.txt", "groundtruth.txt", "does not mask"}) {
@@ -238,7 +245,7 @@ TEST_F(CliRun, TracksTheRoomAndWritesEverything) {
     EXPECT_NE(entry.path().filename().string().front(), '.') << entry.path();
     ++num_files;
   }
-  EXPECT_EQ(num_files, 7U);
+  EXPECT_EQ(num_files, 8U);
 }
 
 TEST_F(CliRun, GivesTheSameBytesAgainAndWithOneThread) {
@@ -377,6 +384,7 @@ TEST_F(CliRun, NothingTrackedIsAFailureWithAReason) {
   EXPECT_EQ(summary["frames"]["not_initialized"], 4);
   EXPECT_EQ(summary["picture"]["written"], false);
   EXPECT_FALSE(fs::exists(output("tiny_out/trajectory.png")));
+  EXPECT_TRUE(fs::exists(output("tiny_out/report.html")));
 
   const std::string copy = copy_of_room();
   write_text(copy + "/depth.txt", "2000.0 depth/" + room_timestamp(0) + ".png\n");
@@ -440,6 +448,15 @@ TEST_F(CliRun, QuietLeavesTheSummaryOnly) {
   EXPECT_NE(result.out.find("Frames tracked"), std::string::npos) << result.out;
 }
 
+TEST_F(CliRun, APageIsLeftOutOnRequest) {
+  write_text(output("out/report.html"), "old\n");
+  ASSERT_EQ(
+      run({"--dataset", room(), "--max-frames", "3", "--output", "out", "--no-report"}).exit_code,
+      0);
+  EXPECT_FALSE(fs::exists(output("out/report.html")));
+  EXPECT_EQ(json_of(output("out/summary.json"))["report"]["written"], false);
+}
+
 TEST_F(CliRun, TheDefaultOutputBearsTheNameOfTheDataset) {
   const ProgramResult result = run({"--dataset", room() + "/", "--max-frames", "3"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -485,6 +502,10 @@ TEST_F(CliRun, WithoutGnuplotEverythingElseIsWritten) {
   EXPECT_NE(picture["reason"].get<std::string>().find("gnuplot"), std::string::npos);
   EXPECT_FALSE(fs::exists(output("out/trajectory.png")));
   EXPECT_EQ(num_poses(output("out/trajectory.txt")), 4U);
+  EXPECT_TRUE(fs::exists(output("out/report.html")));
+  const std::string page = read_text(output("out/report.html"));
+  EXPECT_NE(page.find("There are no plots: gnuplot cannot be started"), std::string::npos);
+  EXPECT_NE(page.find("Errors of trajectory.txt"), std::string::npos);
 }
 
 TEST_F(CliRun, AGnuplotThatFailsIsReportedWithItsWords) {

@@ -1,12 +1,18 @@
 // The small parts that a run writes its files and its progress with.
 
 #include <gtest/gtest.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): kill() is POSIX, not <csignal>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "cli/child_process.hpp"
@@ -128,6 +134,33 @@ TEST(ChildProcess, TellsHowItEnded) {
   EXPECT_EQ(run({"touch", "here"}), "");
   EXPECT_TRUE(std::filesystem::exists(folder / "here"));
   EXPECT_FALSE(std::filesystem::exists(folder / "x"));
+}
+
+TEST(ChildProcess, EndsWithTheProcessThatStartedIt) {
+  const TempFolder folder;
+  const pid_t parent = fork();
+  if (parent == 0) {
+    ChildProcess child;
+    child.start({"sh", "-c", "echo $$ > id && mv id started && exec sleep 60"}, folder.path(),
+                folder / "log.txt");
+    pause();
+    _exit(0);
+  }
+  const auto wait_until = [](const auto& holds) {
+    for (int i = 0; i < 2000 && !holds(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return holds();
+  };
+  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder / "started"); }));
+  const std::string id = std::to_string(std::stoi(read_text(folder / "started")));
+  ASSERT_EQ(kill(parent, SIGKILL), 0);
+  ASSERT_EQ(waitpid(parent, nullptr, 0), parent);
+  // A process that nobody has waited for yet is still listed, but runs no program.
+  EXPECT_TRUE(wait_until([&] {
+    std::ifstream command("/proc/" + id + "/cmdline");
+    return !command || command.peek() == std::ifstream::traits_type::eof();
+  }));
 }
 
 }  // namespace

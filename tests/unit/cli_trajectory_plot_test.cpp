@@ -23,8 +23,8 @@ TrajectoryPlot circle_plot() {
   plot.title = "circle";
   plot.map_title = "Trajectory";
   plot.color_label = "error [m]";
-  plot.begin_s = 100.0;
-  plot.end_s = 110.0;
+  plot.time.begin_s = 100.0;
+  plot.time.end_s = 110.0;
   plot.upper = {"upper", "[m]", {{"over 1 s", {}}}};
   plot.lower = {"lower", "[°]", {{"over 1 s", {}}}};
   for (int i = 0; i < 100; ++i) {
@@ -114,8 +114,8 @@ TEST(TrajectoryPlot, DrawsEvenWhatIsHardlyThere) {
     position.position_m.setZero();
     position.color_value = 0.0;
   }
-  plots[3].end_s = plots[3].begin_s;
-  plots[3].gaps = {{plots[3].begin_s, plots[3].begin_s}};
+  plots[3].time.end_s = plots[3].time.begin_s;
+  plots[3].time.gaps = {{plots[3].time.begin_s, plots[3].time.begin_s}};
   for (std::size_t i = 0; i < plots.size(); ++i) {
     const std::string file = folder / ("plot" + std::to_string(i) + ".png");
     const FileStatus status = write_trajectory_plot(plots[i], file);
@@ -168,9 +168,9 @@ TEST(RunPlot, ShowsLostFramesAsGaps) {
   const TrajectoryPlot plot = make_run_plot(inputs, result);
   EXPECT_NE(plot.title.find("gap: 7 of 10 frames tracked, ATE RMSE"), std::string::npos)
       << plot.title;
-  ASSERT_EQ(plot.gaps.size(), 1U);
-  EXPECT_EQ(plot.gaps[0].begin_s, 102.0);
-  EXPECT_EQ(plot.gaps[0].end_s, 106.0);
+  ASSERT_EQ(plot.time.gaps.size(), 1U);
+  EXPECT_EQ(plot.time.gaps[0].begin_s, 102.0);
+  EXPECT_EQ(plot.time.gaps[0].end_s, 106.0);
   ASSERT_EQ(plot.estimate.size(), 7U);
   for (std::size_t i = 0; i < plot.estimate.size(); ++i) {
     EXPECT_EQ(plot.estimate[i].starts_segment, i == 0 || i == 3) << i;
@@ -209,11 +209,11 @@ TEST(RunPlot, AGapAtEachEndReachesTheEnd) {
   result.trajectory.erase(result.trajectory.begin());
   result.trajectory.pop_back();
   const TrajectoryPlot plot = make_run_plot({}, result);
-  ASSERT_EQ(plot.gaps.size(), 3U);
-  EXPECT_EQ(plot.gaps.front().begin_s, 100.0);
-  EXPECT_EQ(plot.gaps.front().end_s, 101.0);
-  EXPECT_EQ(plot.gaps.back().begin_s, 108.0);
-  EXPECT_EQ(plot.gaps.back().end_s, 109.0);
+  ASSERT_EQ(plot.time.gaps.size(), 3U);
+  EXPECT_EQ(plot.time.gaps.front().begin_s, 100.0);
+  EXPECT_EQ(plot.time.gaps.front().end_s, 101.0);
+  EXPECT_EQ(plot.time.gaps.back().begin_s, 108.0);
+  EXPECT_EQ(plot.time.gaps.back().end_s, 109.0);
 }
 
 }  // namespace
