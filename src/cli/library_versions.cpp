@@ -5,9 +5,12 @@
 
 #include <Eigen/Core>
 #include <fstream>
+#include <iterator>
 #include <opencv2/core/version.hpp>
 #include <thread>
 
+#include "cli/number_text.hpp"
+#include "srslam/synthetic/synthetic_options.hpp"
 #include "srslam/version.hpp"
 
 namespace srslam::cli {
@@ -27,6 +30,16 @@ LibraryVersions library_versions() {
   versions.compiler = "unknown";
 #endif
   return versions;
+}
+
+const std::string& program_identity() {
+  static const std::string identity = [] {
+    std::ifstream file("/proc/self/exe", std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    return std::string(SRSLAM_VERSION_STRING) + " (program " + hash_text(bytes) +
+           ", synthetic world " + std::to_string(kSyntheticWorldVersion) + ")";
+  }();
+  return identity;
 }
 
 Machine this_machine() {

@@ -14,6 +14,10 @@ struct LibraryVersions {
 };
 LibraryVersions library_versions();
 
+/// Version of srslam and of its synthetic world, and a hash of the running program's own file:
+/// results of programs that differ in it were not made by the same code. Computed once.
+const std::string& program_identity();
+
 /// The machine that the program runs on, without which times mean nothing.
 struct Machine {
   std::string cpu;  ///< "unknown" where the system does not say

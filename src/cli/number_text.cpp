@@ -1,7 +1,9 @@
 #include "cli/number_text.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
@@ -29,6 +31,17 @@ std::string shortest_text(double value) {
 
 std::string fixed_text(double value, int digits) {
   return std::isfinite(value) ? formatted("%.*f", digits, value) : "n/a";
+}
+
+std::string hash_text(std::string_view bytes) {
+  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  for (const char character : bytes) {
+    hash ^= static_cast<unsigned char>(character);
+    hash *= 0x100000001B3ULL;
+  }
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return digits.data();
 }
 
 }  // namespace srslam::cli

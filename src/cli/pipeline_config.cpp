@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <type_traits>
 
@@ -237,18 +235,13 @@ std::string option_table_text(const PipelineOptions& options) {
 }
 
 std::string config_hash(const PipelineOptions& options) {
-  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  std::string text;
   for (const PipelineOption& option : pipeline_option_table()) {
-    if (!option.affects_result) continue;
-    const std::string line = std::string(option.key) + ": " + value_text(option, options) + "\n";
-    for (const char character : line) {
-      hash ^= static_cast<unsigned char>(character);
-      hash *= 0x100000001B3ULL;
+    if (option.affects_result) {
+      text += std::string(option.key) + ": " + value_text(option, options) + "\n";
     }
   }
-  std::array<char, 17> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash));
-  return digits.data();
+  return hash_text(text);
 }
 
 }  // namespace srslam::cli

@@ -48,18 +48,18 @@ int synth_command(const SynthSettings& settings) {
   if (!status.ok()) return refuse(status.message());
 
   install_stop_signals();
-  ProgressLine progress(options.num_frames, !settings.quiet);
+  ProgressLine progress(!settings.quiet);
   SequenceWriterOptions writing;
   writing.flow = settings.flow;
   writing.jpeg = settings.jpeg;
   writing.overwrite = settings.overwrite;
   writing.num_threads = settings.num_threads.value_or(
       std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
-  writing.progress = [&](std::size_t num_done) {
-    progress.update(num_done, "rendered");
+  const auto show_progress = [&](std::size_t num_done) {
+    progress.update(progress_text(num_done, options.num_frames, progress.elapsed_s(), "rendered"));
     return requested_stop_signal() == 0;
   };
-  status = write_sequence(world, settings.output_folder, writing);
+  status = write_sequence(world, settings.output_folder, writing, show_progress);
   progress.finish();
   if (requested_stop_signal() != 0 && !status.ok()) {
     std::cerr << "srslam: interrupted; " << settings.output_folder << " holds no sequence yet\n";

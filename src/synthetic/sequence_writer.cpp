@@ -149,7 +149,7 @@ FileStatus prepare_folder(const std::string& folder, const SequenceWriterOptions
 }  // namespace
 
 FileStatus write_sequence(const SyntheticWorld& world, const std::string& folder,
-                          const SequenceWriterOptions& options) {
+                          const SequenceWriterOptions& options, const SequenceProgress& progress) {
   FileStatus status = prepare_folder(folder, options);
   if (!status.ok()) return status;
 
@@ -178,7 +178,7 @@ FileStatus write_sequence(const SyntheticWorld& world, const std::string& folder
       if (!written.ok()) {
         if (first_failure.ok()) first_failure = written;
         stop = true;
-      } else if (options.progress && !options.progress(num_done) && first_failure.ok()) {
+      } else if (progress && !progress(num_done) && first_failure.ok()) {
         first_failure = FileStatus::failure(StatusCode::kNotConverged, folder, 0,
                                             "stopped before the sequence was complete");
         stop = true;

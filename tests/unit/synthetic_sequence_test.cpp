@@ -152,9 +152,8 @@ TEST_F(SyntheticSequence, TouchesNothingInAFolderThatIsNotEmpty) {
 }
 
 TEST_F(SyntheticSequence, StoppedHalfWayItIsNoSequence) {
-  SequenceWriterOptions options;
-  options.progress = [](std::size_t num_done) { return num_done < 3; };
-  const FileStatus status = write_sequence(short_world(), folder("a"), options);
+  const FileStatus status = write_sequence(short_world(), folder("a"), {},
+                                           [](std::size_t num_done) { return num_done < 3; });
   EXPECT_EQ(status.code, StatusCode::kNotConverged);
   EXPECT_FALSE(fs::exists(folder("a/rgb.txt")));
   TumDataset dataset;

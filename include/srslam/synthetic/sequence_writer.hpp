@@ -14,9 +14,10 @@ struct SequenceWriterOptions {
   bool jpeg = false;       ///< colour as JPEG (quality 95) in place of PNG: a quarter of the size
   int num_threads = 1;     ///< frames are drawn side by side; the files do not depend on it
   bool overwrite = false;  ///< write into a folder that already holds a sequence
-  /// Called after each frame with the number of frames done, one call at a time; false stops.
-  std::function<bool(std::size_t num_done)> progress;
 };
+
+/// Called after each frame with the number of frames done, one call at a time; false stops.
+using SequenceProgress = std::function<bool(std::size_t num_done)>;
 
 /// Draws every frame of `world` into `folder` in the TUM layout: rgb/ and depth/ with their lists,
 /// groundtruth.txt, camera.yaml, masks/, detections.txt and scenario.json. The lists are written at
@@ -24,6 +25,7 @@ struct SequenceWriterOptions {
 /// touching anything (kInvalidArgument) when the folder holds something and `overwrite` is not set.
 /// A stop by `progress` is kNotConverged.
 FileStatus write_sequence(const SyntheticWorld& world, const std::string& folder,
-                          const SequenceWriterOptions& options);
+                          const SequenceWriterOptions& options,
+                          const SequenceProgress& progress = {});
 
 }  // namespace srslam

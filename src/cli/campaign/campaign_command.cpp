@@ -11,13 +11,13 @@
 #include "cli/campaign/campaign_runner.hpp"
 #include "cli/campaign/campaign_table_text.hpp"
 #include "cli/exit_code.hpp"
+#include "cli/library_versions.hpp"
 #include "cli/pipeline_config.hpp"
 #include "cli/report/campaign_report.hpp"
 #include "cli/run_inputs.hpp"
 #include "cli/run_outputs.hpp"
 #include "cli/stop_signal.hpp"
 #include "cli/text_file.hpp"
-#include "srslam/version.hpp"
 
 namespace srslam::cli {
 namespace {
@@ -149,7 +149,7 @@ class Campaign {
     if (!reason.empty()) return reason;
     if (settings_.suite.empty()) plan_ = stored;
     CampaignPlan expected = plan_;
-    expected.version = SRSLAM_VERSION_STRING;
+    expected.version = program_identity();
     const std::string difference = plan_difference(stored, expected);
     if (!difference.empty()) {
       return folder_ + " holds another campaign: " + difference +
@@ -242,7 +242,7 @@ class Campaign {
 std::string make_plan(const CampaignSettings& settings, const SequenceRenderer& renderer,
                       CampaignPlan* plan, std::string* config_text) {
   CampaignPlan result;
-  result.version = SRSLAM_VERSION_STRING;
+  result.version = program_identity();
   result.num_repeats = settings.num_repeats.value_or(1);
   result.max_frames = settings.max_frames;
   std::string reason = parse_variants(settings.variants, known_modules(), &result.variants);

@@ -18,7 +18,7 @@ constexpr const char* kSyntheticSuite = "synthetic";
 
 /// Everything that decides what the jobs of a campaign compute. How many run at once is no part.
 struct CampaignPlan {
-  std::string version;  ///< of srslam
+  std::string version;  ///< of srslam, the program's bytes and the synthetic world
   std::string suite;    ///< `synthetic` or a folder
   std::vector<CampaignSequence> sequences;
   std::vector<CampaignVariant> variants;

@@ -7,6 +7,7 @@
 #include "cli/run_inputs.hpp"
 #include "cli/text_list.hpp"
 #include "srslam/io/camera_file.hpp"
+#include "srslam/synthetic/synthetic_options.hpp"
 
 namespace srslam::cli {
 namespace {
@@ -47,11 +48,7 @@ std::string CampaignSequence::label() const {
 
 SequenceRenderer synthetic_renderer(const std::string& program) {
   SequenceRenderer renderer;
-  renderer.scenarios = {"walking_static",  "walking_xyz", "walking_rpy",  "walking_halfsphere",
-                        "sitting_static",  "sitting_xyz", "crowd",        "moving_box",
-                        "person_tracking", "synchronous", "static_room",  "low_texture",
-                        "occlusion",       "robot_line",  "fixed_static", "fixed_minor",
-                        "fixed_major",     "fixed_multi"};
+  for (const ScenarioInfo& info : scenario_list()) renderer.scenarios.push_back(info.name);
   renderer.command = [program](const RenderRequest& request) {
     std::vector<std::string> arguments = {
         program,    "synth",        "--scenario", request.scenario,
