@@ -35,7 +35,7 @@ CameraPath::CameraPath(std::function<Pose(double time_s)> path, const Tremor& tr
 }
 
 Pose CameraPath::T_world_camera(double time_s) const {
-  const Pose pose = path_(time_s);
+  Pose pose = path_(time_s);
   if (!trembles_) return pose;
   Vector6 tangent;
   for (int axis = 0; axis < 3; ++axis) {
