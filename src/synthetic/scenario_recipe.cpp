@@ -41,8 +41,8 @@ class Builder {
     built_.camera = CameraPath(std::move(path), tremor, combine_seed(seed_, 73));
   }
   void camera_still(const CameraPath::Tremor& tremor) {
-    const Pose pose = look_at(kStandpoint_m, kDeskTarget_m);
-    camera([pose](double) { return pose; }, tremor);
+    Pose pose = look_at(kStandpoint_m, kDeskTarget_m);
+    camera([pose](double) -> Pose { return pose; }, tremor);
   }
   /// Along one axis after the other, the orientation kept.
   void camera_xyz() {

@@ -70,7 +70,7 @@ FileStatus SyntheticOptions::validate() const {
 FileStatus synthetic_camera(const std::string& preset, int width_px, int height_px,
                             RgbdCamera* camera) {
   RgbdCamera scaled;
-  const FileStatus status = camera_preset(preset, &scaled);
+  FileStatus status = camera_preset(preset, &scaled);
   if (!status.ok()) return status;
   PinholeCamera& pinhole = scaled.camera;
   if (width_px < 16 || height_px < 12 || width_px > 8192 || height_px > 8192) {
@@ -126,7 +126,7 @@ SyntheticWorld::SyntheticWorld(SyntheticWorld&& other) noexcept = default;
 SyntheticWorld& SyntheticWorld::operator=(SyntheticWorld&& other) noexcept = default;
 
 FileStatus SyntheticWorld::create(const SyntheticOptions& options) {
-  const FileStatus status = options.validate();
+  FileStatus status = options.validate();
   if (!status.ok()) return status;
   impl_ = std::make_unique<Impl>(options, kTexel_m_px / options.camera.camera.width_px);
   return FileStatus::success();

@@ -156,7 +156,9 @@ std::string random_line(RandomStream& random, int num_words) {
 void paint_text_block(Canvas& canvas, RandomStream& random, double x_m, double y_m, double width_m,
                       double height_m, double letter_m, const Color& color) {
   const double spacing_m = 1.8 * letter_m;
-  for (double y = y_m + letter_m; y < y_m + height_m; y += spacing_m) {
+  const int num_lines = static_cast<int>((height_m - letter_m) / spacing_m) + 1;
+  for (int i = 0; i < num_lines; ++i) {
+    const double y = y_m + letter_m + i * spacing_m;
     if (random.chance(0.12)) continue;  // between paragraphs
     double x = x_m;
     const double end_m = x_m + width_m * random.uniform(0.55, 1.0);
@@ -462,9 +464,11 @@ Texture TexturePainter::book(double width_m, double height_m) {
                      height_m * random.uniform(0.01, 0.06), random_color(random, 20.0, 240.0));
   }
   // Letters that read along the spine would be rotated text; blocks of their size do as well.
-  for (double y = height_m * 0.15; y < height_m * 0.75; y += random.uniform(0.008, 0.022)) {
+  double y = height_m * 0.15;
+  while (y < height_m * 0.75) {
     canvas.rectangle(width_m * random.uniform(0.2, 0.4), y, width_m * random.uniform(0.2, 0.4),
                      random.uniform(0.003, 0.010), print);
+    y += random.uniform(0.008, 0.022);
   }
   canvas.shade(seed, 0.1, 10.0F, 3);
   return canvas.texture();

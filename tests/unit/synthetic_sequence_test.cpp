@@ -109,7 +109,7 @@ TEST_F(SyntheticSequence, IsReadBackAsItWasRendered) {
     ASSERT_TRUE(renderer.flow_to(i + 1, &flow_px).ok());
     for (int v = 0; v < 120; ++v) {
       for (int u = 0; u < 160; ++u) {
-        const auto texel = flow.at<cv::Vec<std::uint16_t, 3>>(v, u);
+        const auto& texel = flow.at<cv::Vec<std::uint16_t, 3>>(v, u);
         if (texel[0] == 0) continue;
         ASSERT_NEAR((texel[2] - 32768.0) / 64.0, flow_px.view()(u, v).x(), 0.008);
         ASSERT_NEAR((texel[1] - 32768.0) / 64.0, flow_px.view()(u, v).y(), 0.008);
