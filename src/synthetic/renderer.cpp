@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace srslam::detail {
@@ -204,6 +205,18 @@ Renderer::Hit Renderer::trace(const Eigen::Vector3d& direction,
   return hit;
 }
 
+int Renderer::face_of(const Eigen::Vector3d& direction, const Hit& hit,
+                      const Workspace& workspace) const {
+  const bool is_room = hit.part == kRoomPart;
+  const Shape& shape = is_room ? scene_->room : scene_->parts[hit.part].shape;
+  if (shape.kind != ShapeKind::kBox) return 0;
+  const Eigen::Vector3d local =
+      is_room ? workspace.room_origin + hit.depth_m * (workspace.room_from_camera * direction)
+              : workspace.posed[hit.part].origin +
+                    hit.depth_m * (workspace.posed[hit.part].unit_from_camera * direction);
+  return surface_point(shape, local).face;
+}
+
 float Renderer::shadow(const Eigen::Vector3f& point_m, const Eigen::Vector3f& normal, int part,
                        const Workspace& workspace) const {
   float light = 1.0F;
@@ -213,15 +226,15 @@ float Renderer::shadow(const Eigen::Vector3f& point_m, const Eigen::Vector3f& no
       const Workspace::ShadowSphere& sphere = workspace.spheres[i];
       if (sphere.part == part) continue;
       const Eigen::Vector3f offset = sphere.center_m - point_m;
+      const float height = normal.dot(offset);
+      if (height <= 0.0F) continue;
       const float reach = kShadowReach * sphere.radius_m;
-      const float distance2 = offset.squaredNorm();
+      const float distance2 = std::max(offset.squaredNorm(), 1e-8F);
       if (distance2 > reach * reach) continue;
       // Share of the hemisphere above the surface that the sphere hides, weighted by the cosine.
-      const float distance = std::sqrt(std::max(distance2, 1e-8F));
-      const float facing = normal.dot(offset) / distance;
-      if (facing <= 0.0F) continue;
+      const float distance = std::sqrt(distance2);
       const float hidden =
-          facing * std::min(1.0F, sphere.radius_m * sphere.radius_m / std::max(distance2, 1e-8F));
+          height / distance * std::min(1.0F, sphere.radius_m * sphere.radius_m / distance2);
       // Fades out at the end of its reach.
       const float fade = 1.0F - distance / reach;
       light *= 1.0F - 0.85F * hidden * fade;
@@ -328,6 +341,7 @@ void Renderer::render(double time_s, const Pose& T_world_camera, PixelBuffers* b
   }
 
   // Where surfaces meet one ray a pixel would give stairs.
+  workspace->center_color = buffers->color.pixels;
   const auto differs = [&](int u, int v, int other_u, int other_v) {
     return part(u, v) != part(other_u, other_v) ||
            workspace->faces[at(u, v)] != workspace->faces[at(other_u, other_v)];
@@ -345,6 +359,10 @@ void Renderer::render(double time_s, const Pose& T_world_camera, PixelBuffers* b
       if (left == right || above == below) continue;
       const Eigen::Vector3d across = (ray(right, v) - ray(left, v)) / double(right - left);
       const Eigen::Vector3d down = (ray(u, below) - ray(u, above)) / double(below - above);
+      struct Seen {
+        int u, v;
+      };
+      const Seen nearby[] = {{u, v}, {left, v}, {right, v}, {u, above}, {u, below}};
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       int num_samples = 0;
       for (const auto& offset : {Eigen::Vector2d(-0.375, -0.125), Eigen::Vector2d(0.125, -0.375),
@@ -352,10 +370,19 @@ void Renderer::render(double time_s, const Pose& T_world_camera, PixelBuffers* b
         const Eigen::Vector3d direction = ray(u, v) + offset.x() * across + offset.y() * down;
         const Hit hit = look(direction, tile_of(u, v));
         if (!std::isfinite(hit.depth_m)) continue;
+        ++num_samples;
+        // Most samples show what this pixel or one beside it shows.
+        const int face = face_of(direction, hit, *workspace);
+        const auto same = std::find_if(std::begin(nearby), std::end(nearby), [&](const Seen& seen) {
+          return part(seen.u, seen.v) == hit.part && workspace->faces[at(seen.u, seen.v)] == face;
+        });
+        if (same != std::end(nearby)) {
+          sum += workspace->center_color[at(same->u, same->v)];
+          continue;
+        }
         float sample_cosine = 0.0F;
         std::uint8_t sample_face = 0;
         sum += shade(direction, hit, T_world_camera, *workspace, &sample_cosine, &sample_face);
-        ++num_samples;
       }
       if (num_samples > 0) color(u, v) = sum / static_cast<float>(num_samples);
     }

@@ -54,7 +54,8 @@ class Renderer {
     std::vector<std::uint16_t> by_depth;
     std::vector<ShadowSphere> spheres;
     std::vector<ShadowGroup> groups;
-    std::vector<std::uint8_t> faces;  ///< face hit at each pixel
+    std::vector<std::uint8_t> faces;            ///< face hit at each pixel
+    std::vector<Eigen::Vector3f> center_color;  ///< what the ray through each pixel's centre sees
   };
 
   /// `scene` must outlive the renderer. `camera` must be valid.
@@ -84,6 +85,8 @@ class Renderer {
   void assign_tiles(bool try_all_parts, Workspace* workspace) const;
   Hit trace(const Eigen::Vector3d& direction, const std::vector<std::uint16_t>& candidates,
             const Workspace& workspace) const;
+  /// SurfacePoint::face of what a ray hits.
+  int face_of(const Eigen::Vector3d& direction, const Hit& hit, const Workspace& workspace) const;
   Eigen::Vector3f shade(const Eigen::Vector3d& direction, const Hit& hit,
                         const Pose& T_world_camera, const Workspace& workspace, float* cosine,
                         std::uint8_t* face) const;

@@ -32,6 +32,10 @@ std::uint64_t pixel_bits(std::uint64_t stream, std::size_t pixel) {
   return mix_bits(stream + static_cast<std::uint64_t>(pixel) * 0x9e3779b97f4a7c15ULL);
 }
 
+/// Nearest integer of a number within the range of int, without a call into the mathematics
+/// library.
+int nearest(float value) { return static_cast<int>(value < 0.0F ? value - 0.5F : value + 0.5F); }
+
 std::uint8_t rounded(float value) {
   return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
 }
@@ -90,8 +94,9 @@ void Sensor::measure_depth(const PixelBuffers& scene, std::uint64_t frame,
   raw_depth->resize(width, height);
   const auto units = static_cast<float>(camera_.depth_units_per_m);
   const auto to_raw = [&](float depth_m) {
-    const float raw = std::round(depth_m * units);
-    return raw >= 1.0F && raw <= 65535.0F ? static_cast<std::uint16_t>(raw) : std::uint16_t{0};
+    const float raw = depth_m * units;
+    return raw >= 0.5F && raw < 65535.5F ? static_cast<std::uint16_t>(raw + 0.5F)
+                                         : std::uint16_t{0};
   };
   if (options_.clean) {
     std::transform(scene.depth_m.pixels.begin(), scene.depth_m.pixels.end(),
@@ -109,8 +114,8 @@ void Sensor::measure_depth(const PixelBuffers& scene, std::uint64_t frame,
       const std::uint64_t bits = pixel_bits(stream, i);
       const float du = kLateralNoise_px * gaussian_from_bits(bits);
       const float dv = kLateralNoise_px * gaussian_from_bits(mix_bits(bits + 1U));
-      const int from_u = std::clamp(static_cast<int>(std::lround(float(u) + du)), 0, width - 1);
-      const int from_v = std::clamp(static_cast<int>(std::lround(float(v) + dv)), 0, height - 1);
+      const int from_u = std::clamp(nearest(float(u) + du), 0, width - 1);
+      const int from_v = std::clamp(nearest(float(v) + dv), 0, height - 1);
       workspace->jittered_m[i] = true_depth(from_u, from_v);
     }
   }
@@ -181,7 +186,8 @@ void Sensor::measure_depth(const PixelBuffers& scene, std::uint64_t frame,
 
       const float noise = 0.8F * coarse(u, v) + 0.6F * gaussian_from_bits(mix_bits(bits + 3U));
       const float disparity_px = kFocalBaseline / depth_m + kDisparityNoise_px * noise;
-      const float quantized_px = kDisparityStep_px * std::round(disparity_px / kDisparityStep_px);
+      const float quantized_px =
+          kDisparityStep_px * float(nearest(disparity_px / kDisparityStep_px));
       if (quantized_px > 0.0F) raw = to_raw(kFocalBaseline / quantized_px);
     }
   }

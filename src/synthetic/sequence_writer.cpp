@@ -104,7 +104,7 @@ class ImageWriter {
     const std::string extension = name.substr(name.rfind('.'));
     const std::vector<int> parameters =
         extension == ".jpg" ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, kJpegQuality}
-                            : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 1};
+                            : std::vector<int>{};  // OpenCV's own choice for PNG is its fastest
     if (!cv::imencode(extension, image, encoded_, parameters)) {
       return FileStatus::failure(StatusCode::kIoError, folder_ + "/" + name, 0,
                                  "the image could not be encoded");

@@ -112,13 +112,19 @@ double intersect_round_cone(const Shape& shape, const Eigen::Vector3d& origin,
       origin.head<2>().dot(direction.head<2>()) * cosine2 + rest * direction.z() * slope.sine;
   const double c = origin.head<2>().squaredNorm() * cosine2 - rest * rest;
   double roots[2];
-  if (solve_quadratic(a, b, c, &roots[0], &roots[1])) {
+  const bool meets_cone = solve_quadratic(a, b, c, &roots[0], &roots[1]);
+  // A ray less steep than the side passes through the cone from its first root to its second: the
+  // body, which is inside, cannot be met outside of that.
+  if (a > 0.0 && !meets_cone) return kMiss;
+  if (meets_cone) {
     for (const double t : roots) {
       if (!(t > t_min) || t >= best) continue;
       const Eigen::Vector3d point = origin + t * direction;
       if (shape.radius_start - point.z() * slope.sine < 0.0) continue;  // the mirrored cone
       const double height = touching_height(slope, point.head<2>().norm(), point.z());
-      if (height >= 0.0 && height <= shape.length) best = t;
+      if (height < 0.0 || height > shape.length) continue;
+      if (a > 0.0 && t == roots[0]) return t;
+      best = t;
     }
   }
   const auto try_sphere = [&](double center, double radius, bool at_end) {
@@ -235,7 +241,9 @@ SurfacePoint surface_point(const Shape& shape, const Eigen::Vector3d& point) {
                             ? std::max(shape.radius_start, shape.radius_end)
                             : std::max(shape.scale_m.x(), shape.scale_m.y());
   constexpr double kPi = 3.14159265358979323846;
-  surface.u_m = radius * (kPi - std::atan2(point.x(), point.y()));
+  surface.u_m =
+      radius *
+      (kPi - double(std::atan2(static_cast<float>(point.x()), static_cast<float>(point.y()))));
   surface.v_m = shape.kind == ShapeKind::kRoundCone ? shape.radius_start + metric.z()
                                                     : shape.scale_m.z() - metric.z();
   return surface;

@@ -3,9 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace srslam::detail {
 namespace {
+
+/// Largest integer not above `value`, without a call into the mathematics library.
+int floor_to_int(double value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - (value < truncated ? 1 : 0);
+}
 
 /// Index in [0, size) of a texel on the picture that goes on mirrored.
 int mirrored(int index, int size) {
@@ -58,14 +65,14 @@ Texture::Texture(const ImageView<const Bgr8>& image, double width_m)
 }
 
 Eigen::Vector4f Texture::bilinear(const Level& level, double x, double y) {
-  const double left = std::floor(x);
-  const double top = std::floor(y);
+  const int left = floor_to_int(x);
+  const int top = floor_to_int(y);
   const auto ax = static_cast<float>(x - left);
   const auto ay = static_cast<float>(y - top);
-  const int u0 = mirrored(static_cast<int>(left), level.width);
-  const int u1 = mirrored(static_cast<int>(left) + 1, level.width);
-  const int v0 = mirrored(static_cast<int>(top), level.height);
-  const int v1 = mirrored(static_cast<int>(top) + 1, level.height);
+  const int u0 = mirrored(left, level.width);
+  const int u1 = mirrored(left + 1, level.width);
+  const int v0 = mirrored(top, level.height);
+  const int v1 = mirrored(top + 1, level.height);
   const auto texel = [&](int u, int v) {
     const auto& t =
         level.texels[static_cast<std::size_t>(v) * static_cast<std::size_t>(level.width) +
@@ -80,11 +87,12 @@ Eigen::Vector4f Texture::bilinear(const Level& level, double x, double y) {
 Eigen::Vector3f Texture::sample(double u_m, double v_m, double footprint_m) const {
   const double x = u_m * texels_per_m_;
   const double y = v_m * texels_per_m_;
-  const double level = std::clamp(std::log2(std::max(1.0, footprint_m * texels_per_m_)), 0.0,
-                                  static_cast<double>(levels_.size() - 1));
+  const float level =
+      std::clamp(std::log2(std::max(1.0F, static_cast<float>(footprint_m * texels_per_m_))), 0.0F,
+                 static_cast<float>(levels_.size() - 1));
   const auto fine = static_cast<std::size_t>(level);
-  const auto blend = static_cast<float>(level - static_cast<double>(fine));
-  const double fine_scale = std::ldexp(1.0, -static_cast<int>(fine));
+  const float blend = level - static_cast<float>(fine);
+  const double fine_scale = 1.0 / static_cast<double>(std::uint64_t{1} << fine);
   // Texel centres lie at half integers.
   Eigen::Vector4f color = bilinear(levels_[fine], x * fine_scale - 0.5, y * fine_scale - 0.5);
   if (blend != 0.0F) {
