@@ -121,9 +121,14 @@ TEST(FramePictures, ChoosesTheWorstTheLostAndAnEvenSpread) {
   EXPECT_EQ(chosen(run_of("T"), 8), (std::vector<std::string>{"0 "}));
 }
 
-TEST(FramePictures, DrawFeaturesInTheColourOfTheirLabelAndBoxes) {
+TEST(FramePictures, DrawFeaturesInTheColourOfTheirLabelBoxesAndMasks) {
   const std::vector<std::uint8_t> pixels(std::size_t{64} * 48, 100);
   const ImageView<const std::uint8_t> gray(pixels.data(), 64, 48);
+  std::vector<std::uint8_t> mask_pixels(pixels.size(), 0);
+  for (std::size_t v = 0; v < 48; ++v) {
+    for (std::size_t u = 50; u < 64; ++u) mask_pixels[v * 64 + u] = 2;
+  }
+  const ImageView<const std::uint8_t> mask(mask_pixels.data(), 64, 48);
   const std::vector<DrawnFeature> features = {{20.0F, 20.0F, FeatureLabel::kInlier},
                                               {40.0F, 30.0F, FeatureLabel::kOutlier},
                                               {-500.0F, 1e6F, FeatureLabel::kUnmatched}};
@@ -133,7 +138,7 @@ TEST(FramePictures, DrawFeaturesInTheColourOfTheirLabelAndBoxes) {
   detection.y_min_px = 2.0;
   detection.x_max_px = 200.0;
   detection.y_max_px = 46.0;
-  const std::string jpeg = overlay_jpeg(gray, features, {detection});
+  const std::string jpeg = overlay_jpeg(gray, mask, features, {detection});
   const cv::Mat picture =
       cv::imdecode(std::vector<unsigned char>(jpeg.begin(), jpeg.end()), cv::IMREAD_COLOR);
   ASSERT_EQ(picture.cols, 64);
@@ -142,7 +147,12 @@ TEST(FramePictures, DrawFeaturesInTheColourOfTheirLabelAndBoxes) {
   EXPECT_GT(at(22, 20)[1], at(22, 20)[2] + 40) << "green";
   EXPECT_GT(at(42, 30)[2], at(42, 30)[1] + 40) << "red";
   EXPECT_GT(at(5, 40)[2], at(5, 40)[0] + 80) << "the box";
-  EXPECT_TRUE(overlay_jpeg({}, {}, {}).empty());
+  EXPECT_GT(at(58, 38)[0], at(58, 38)[1] + 30) << "the mask";
+  EXPECT_NEAR(at(25, 38)[0], at(25, 38)[1], 12) << "beside it";
+  // A mask of another size belongs to another picture.
+  const ImageView<const std::uint8_t> other(mask_pixels.data(), 32, 48);
+  EXPECT_EQ(overlay_jpeg(gray, other, features, {}), overlay_jpeg(gray, {}, features, {}));
+  EXPECT_TRUE(overlay_jpeg({}, {}, {}, {}).empty());
 }
 
 TEST(RunReport, ShowsReliabilityOnlyWhereItWasJudged) {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <system_error>
 #include <utility>
 
 #include "cli/number_text.hpp"
@@ -36,6 +38,9 @@ const std::vector<LabelColor>& label_colors() {
 }
 const cv::Vec3b kBoxColor(0, 190, 255);
 constexpr const char* kBoxCss = "#ffbe00";
+const cv::Vec3b kMaskColor(230, 60, 190);
+constexpr const char* kMaskCss = "#be3ce6";
+constexpr const char* kMaskFolder = "masks";
 
 cv::Scalar scalar(const cv::Vec3b& color) {
   return {double(color[0]), double(color[1]), double(color[2])};
@@ -61,14 +66,28 @@ std::vector<std::pair<std::size_t, std::size_t>> lost_spans(const RunResult& res
   return spans;
 }
 
-std::string legend() {
+/// The dataset's own mask of a frame, 0 for what stands still; empty when it has none.
+cv::Mat mask_of(const RunInputs& inputs, const FrameRecord& record) {
+  const std::filesystem::path color(inputs.dataset.entry(record.index).color_file);
+  const std::filesystem::path file =
+      std::filesystem::path(inputs.dataset.folder()) / kMaskFolder / color.stem().concat(".png");
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return {};
+  return cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+}
+
+std::string legend(bool has_masks) {
   std::string text = "<p>Features: ";
   for (const LabelColor& color : label_colors()) {
     text += std::string("<span class=\"key\" style=\"background:") + color.css + "\"></span>" +
             color.meaning;
   }
   return text + "<span class=\"key\" style=\"background:" + kBoxCss +
-         "\"></span>box: a detection with its score</p>\n";
+         "\"></span>box: a detection with its score" +
+         (has_masks ? std::string("<span class=\"key\" style=\"background:") + kMaskCss +
+                          "\"></span>mask of the dataset: what moves"
+                    : std::string()) +
+         "</p>\n";
 }
 
 std::string caption(const FrameRecord& record, const std::string& reason, double begin_s,
@@ -129,15 +148,21 @@ std::vector<ChosenFrame> choose_frames(const RunResult& result, std::size_t max_
   return frames;
 }
 
-std::string overlay_jpeg(ImageView<const std::uint8_t> gray,
+std::string overlay_jpeg(ImageView<const std::uint8_t> gray, ImageView<const std::uint8_t> mask,
                          const std::vector<DrawnFeature>& features,
                          const std::vector<Detection>& detections) {
   if (gray.empty()) return {};
   cv::Mat picture(gray.height_px, gray.width_px, CV_8UC3);
+  const bool masked = mask.width_px == gray.width_px && mask.height_px == gray.height_px;
   for (int v = 0; v < gray.height_px; ++v) {
     for (int u = 0; u < gray.width_px; ++u) {
       const std::uint8_t level = gray(u, v);
-      picture.at<cv::Vec3b>(v, u) = {level, level, level};
+      cv::Vec3b& pixel = picture.at<cv::Vec3b>(v, u);
+      pixel = {level, level, level};
+      if (!masked || mask(u, v) == 0) continue;
+      for (int c = 0; c < 3; ++c) {
+        pixel[c] = static_cast<std::uint8_t>((pixel[c] * 2 + kMaskColor[c]) / 3);
+      }
     }
   }
   // Inliers last, on top of the others.
@@ -169,6 +194,7 @@ std::string frame_pictures_html(const RunInputs& inputs, const RunResult& result
                                 const FeatureStore& features) {
   const std::map<double, double> errors_m = absolute_errors_m(result);
   std::string pictures;
+  bool has_masks = false;
   for (const ChosenFrame& chosen : choose_frames(result, kMaxFrames)) {
     const FrameRecord& record = result.records[chosen.record];
     FrameReader reader(inputs.dataset, inputs.camera, record.index, record.index + 1, 0);
@@ -178,8 +204,10 @@ std::string frame_pictures_html(const RunInputs& inputs, const RunResult& result
     const std::size_t found =
         find_detections(inputs.detections, loaded.timestamp_s, kDetectionTolerance_s);
     if (found < inputs.detections.size()) detections = inputs.detections[found].detections;
-    const std::string jpeg =
-        overlay_jpeg(loaded.gray.view(), features.read(record.index), detections);
+    const cv::Mat mask = mask_of(inputs, record);
+    has_masks = has_masks || !mask.empty();
+    const std::string jpeg = overlay_jpeg(loaded.gray.view(), {mask.data, mask.cols, mask.rows},
+                                          features.read(record.index), detections);
     if (jpeg.empty()) continue;
     pictures +=
         html_picture("image/jpeg", jpeg, "frame with its features and detections",
@@ -187,7 +215,7 @@ std::string frame_pictures_html(const RunInputs& inputs, const RunResult& result
   }
   std::string html = "<h2>Frames</h2>\n";
   if (pictures.empty()) return html + "<p>No frame came to the pipeline.</p>\n";
-  return html + legend() + "<div class=\"grid\">\n" + pictures + "</div>\n";
+  return html + legend(has_masks) + "<div class=\"grid\">\n" + pictures + "</div>\n";
 }
 
 }  // namespace srslam::cli

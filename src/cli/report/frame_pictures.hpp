@@ -26,8 +26,9 @@ std::vector<ChosenFrame> choose_frames(const RunResult& result, std::size_t max_
 /// Absolute errors [m] of the tracked frames that have one, by time stamp.
 std::map<double, double> absolute_errors_m(const RunResult& result);
 
-/// JPEG of `gray` with features coloured by label and boxes; empty when it cannot be made.
-std::string overlay_jpeg(ImageView<const std::uint8_t> gray,
+/// JPEG of `gray` with what `mask` (empty: none) marks tinted, features coloured by label and
+/// boxes; empty when it cannot be made. A mask of another size is left out.
+std::string overlay_jpeg(ImageView<const std::uint8_t> gray, ImageView<const std::uint8_t> mask,
                          const std::vector<DrawnFeature>& features,
                          const std::vector<Detection>& detections);
 
