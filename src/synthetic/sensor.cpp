@@ -95,7 +95,7 @@ void Sensor::measure_depth(const PixelBuffers& scene, std::uint64_t frame,
   const auto units = static_cast<float>(camera_.depth_units_per_m);
   const auto to_raw = [&](float depth_m) {
     const float raw = depth_m * units;
-    return raw >= 0.5F && raw < 65535.5F ? static_cast<std::uint16_t>(raw + 0.5F)
+    return raw >= 0.5F && raw < 65535.5F ? static_cast<std::uint16_t>(nearest(raw))
                                          : std::uint16_t{0};
   };
   if (options_.clean) {
