@@ -18,7 +18,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr CameraPath::Tremor kHandHeld{0.004, 0.006};
 constexpr CameraPath::Tremor kHeldStill{0.0008, 0.0008};
-constexpr CameraPath::Tremor kOnWheels{0.001, 0.0015};
 constexpr CameraPath::Tremor kTripod{0.0, 0.0};
 const Eigen::Vector3d kStandpoint_m(0.0, 0.0, 1.36);
 const Eigen::Vector3d kDeskTarget_m(0.05, 2.5, 0.98);
@@ -398,7 +397,7 @@ BuiltScenario Builder::build(const std::string& name) {
           const double driven_m = 0.20 * time_s;
           return look_at({0.0, -1.7 + driven_m, 1.0}, {0.05, 3.0 + driven_m, 0.98});
         },
-        kOnWheels);
+        kHandHeld);
     add(script(crossings(-1.0, 1.65, 1.3, 0.8), 0.0, "crosses far ahead"));
     add(script({{1.5, {-2.2, 0.2}},
                 {4.7, {0.7, 0.55}},
