@@ -93,7 +93,7 @@ class CliRun : public testing::Test {
 
   /// A dataset that may be changed: the room's files, images as links.
   std::string copy_of_room(const std::string& name = "copy") const {
-    const std::string copy = folder_ / name;
+    std::string copy = folder_ / name;
     fs::create_directories(copy);
     for (const char* file :
          {"rgb.txt", "depth.txt", "groundtruth.txt", "detections.txt", "camera.yaml"}) {
@@ -107,7 +107,7 @@ class CliRun : public testing::Test {
 
   /// The same room seen for `num_frames` frames, back and forth over the rendered ones.
   std::string long_room(int num_frames) const {
-    const std::string copy = copy_of_room("long");
+    std::string copy = copy_of_room("long");
     fs::remove(copy + "/groundtruth.txt");
     fs::remove(copy + "/detections.txt");
     std::string rgb;

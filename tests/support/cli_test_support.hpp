@@ -158,11 +158,13 @@ inline void write_room_dataset(const std::string& folder, int num_frames) {
     cv::Mat color;
     cv::Mat raw_depth;
     render_room(i, &color, &raw_depth);
-    write_image(folder + "/rgb/" + stamp + ".png", color);
-    write_image(folder + "/depth/" + stamp + ".png", raw_depth);
-    rgb += stamp + " rgb/" + stamp + ".png\n";
-    depth += stamp + " depth/" + stamp + ".png\n";
-    detections += stamp + " none\n";
+    const std::string color_file = "rgb/" + stamp + ".png";
+    const std::string depth_file = "depth/" + stamp + ".png";
+    write_image(folder + "/" + color_file, color);
+    write_image(folder + "/" + depth_file, raw_depth);
+    rgb.append(stamp).append(" ").append(color_file).append("\n");
+    depth.append(stamp).append(" ").append(depth_file).append("\n");
+    detections.append(stamp).append(" none\n");
     groundtruth.push_back({1000.0 + kRoomFrameInterval_s * i, room_pose(i)});
   }
   write_text(folder + "/rgb.txt", rgb);
@@ -203,6 +205,7 @@ class Program {
     std::vector<std::string> words = arguments;
     words.insert(words.begin(), program_path());
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     std::vector<std::string> variables;
@@ -212,6 +215,7 @@ class Program {
     }
     if (!path_variable.empty()) variables.push_back("PATH=" + path_variable);
     std::vector<char*> envp;
+    envp.reserve(variables.size() + 1);
     for (std::string& variable : variables) envp.push_back(variable.data());
     envp.push_back(nullptr);
 
