@@ -24,6 +24,7 @@ const std::vector<Module> kNoneBuilt = {{'S', "scene", false, ""}, {'P', "pose",
 
 std::vector<std::string> modules_of(const std::vector<CampaignVariant>& variants) {
   std::vector<std::string> modules;
+  modules.reserve(variants.size());
   for (const CampaignVariant& variant : variants) {
     modules.push_back(variant.name + "=" + variant.modules);
   }
