@@ -147,6 +147,10 @@ inline std::string room_timestamp(int index) {
   return text;
 }
 
+inline std::string image_file(const std::string& folder, const std::string& stamp) {
+  return folder + "/" + stamp + ".png";
+}
+
 /// A dataset of `num_frames` frames with ground truth, detections and camera.yaml.
 inline void write_room_dataset(const std::string& folder, int num_frames) {
   std::string rgb = "# color images\n";
@@ -158,8 +162,8 @@ inline void write_room_dataset(const std::string& folder, int num_frames) {
     cv::Mat color;
     cv::Mat raw_depth;
     render_room(i, &color, &raw_depth);
-    const std::string color_file = "rgb/" + stamp + ".png";
-    const std::string depth_file = "depth/" + stamp + ".png";
+    const std::string color_file = image_file("rgb", stamp);
+    const std::string depth_file = image_file("depth", stamp);
     write_image(folder + "/" + color_file, color);
     write_image(folder + "/" + depth_file, raw_depth);
     rgb.append(stamp).append(" ").append(color_file).append("\n");
