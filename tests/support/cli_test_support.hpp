@@ -157,6 +157,7 @@ inline void write_room_dataset(const std::string& folder, int num_frames) {
   std::string depth = "# depth maps\n";
   std::string detections = "# srslam detections v1\n";
   Trajectory groundtruth;
+  const std::string prefix = folder + "/";
   for (int i = 0; i < num_frames; ++i) {
     const std::string stamp = room_timestamp(i);
     cv::Mat color;
@@ -164,8 +165,8 @@ inline void write_room_dataset(const std::string& folder, int num_frames) {
     render_room(i, &color, &raw_depth);
     const std::string color_file = image_file("rgb", stamp);
     const std::string depth_file = image_file("depth", stamp);
-    write_image(folder + "/" + color_file, color);
-    write_image(folder + "/" + depth_file, raw_depth);
+    write_image(prefix + color_file, color);
+    write_image(prefix + depth_file, raw_depth);
     rgb.append(stamp).append(" ").append(color_file).append("\n");
     depth.append(stamp).append(" ").append(depth_file).append("\n");
     detections.append(stamp).append(" none\n");
