@@ -19,4 +19,5 @@
 #include "srslam/evaluation/trajectory.hpp"
 #include "srslam/evaluation/trajectory_alignment.hpp"
 #include "srslam/evaluation/trajectory_error.hpp"
+#include "srslam/scene/scene_metrics.hpp"
 #include "srslam/version.hpp"
