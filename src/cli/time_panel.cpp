@@ -58,7 +58,7 @@ std::string panel_script(const PlotTime& time, const PlotPanel& panel, const Plo
   script += has_time_label ? "set xlabel 'time since the first frame [s]'\n" : "unset xlabel\n";
   script += "set ylabel " + gnuplot_quoted(panel.value_label) + "\n";
   script += "set key at screen " + shortest_text(box.right) + "," + shortest_text(box.top + 0.02) +
-            " right bottom horizontal samplen 2 font ',10'\n";
+            " right bottom horizontal maxcols 2 samplen 2 font ',10'\n";
   script += "unset object\n";
   int object = 0;
   for (const PlotInterval& gap : time.gaps) {
