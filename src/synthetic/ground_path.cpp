@@ -4,12 +4,13 @@
 #include <cmath>
 #include <cstddef>
 
+#include "synthetic/constants.hpp"
+
 namespace srslam::detail {
 namespace {
 
 constexpr double kStep_s = 0.01;
 constexpr double kRounding_s = 0.5;  // a person needs about so long to start, stop or turn
-constexpr double kPi = 3.14159265358979323846;
 // Slower than this, the direction of motion says nothing about where the body faces.
 constexpr double kStanding_m_per_s = 0.12;
 

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "synthetic/constants.hpp"
 #include "synthetic/smooth_signal.hpp"
 
 namespace srslam::detail {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Angle of the thighs at the ends of a step, and the way that one whole stride then covers.
 constexpr double kThighSwing_rad = 0.44;
 constexpr double kStridePerHeight = 0.80;
@@ -94,10 +94,21 @@ class PersonMotion final : public BodyMotion {
 
   std::string description() const override { return script_.description; }
 
+  /// Where on its way the person is, and how much of a walk it is: 0 standing, 1 walking.
+  struct Gait {
+    GroundPath::State state;
+    double walking = 0.0;
+  };
+  Gait gait(double time_s) const {
+    Gait gait;
+    gait.state = script_.path.at(time_s);
+    gait.walking = std::clamp(gait.state.speed_m_per_s / 0.6, 0.0, 1.0);
+    return gait;
+  }
+
   /// The pelvis: y forward, x to the right, z up.
-  Pose pelvis(double time_s) const {
-    const GroundPath::State state = script_.path.at(time_s);
-    const double walking = std::clamp(state.speed_m_per_s / 0.6, 0.0, 1.0);
+  Pose pelvis(double time_s, const Gait& gait) const {
+    const auto& [state, walking] = gait;
     const double yaw_rad =
         state.yaw_rad - 0.5 * kPi + script_.turn_rad(time_s) + 0.03 * sway_[0](time_s);
     double height_m = 0.0;
@@ -114,9 +125,8 @@ class PersonMotion final : public BodyMotion {
     return shifted(pose, {0.015 * sway_[1](time_s), -0.12 * bend_rad, 0.0});
   }
 
-  Pose trunk(const Pose& pelvis_pose, double time_s) const {
-    const GroundPath::State state = script_.path.at(time_s);
-    const double walking = std::clamp(state.speed_m_per_s / 0.6, 0.0, 1.0);
+  Pose trunk(const Pose& pelvis_pose, double time_s, const Gait& gait) const {
+    const auto& [state, walking] = gait;
     const double lean_rad = (script_.seated ? 0.05 : 0.02) + 0.06 * walking +
                             script_.bend_rad(time_s) +
                             (script_.seated ? 0.06 : 0.02) * sway_[2](time_s);
@@ -132,10 +142,10 @@ class PersonMotion final : public BodyMotion {
 
   void poses(double time_s, Pose* T_world_part) const override {
     const Proportions& p = proportions_;
-    const GroundPath::State state = script_.path.at(time_s);
-    const double walking = std::clamp(state.speed_m_per_s / 0.6, 0.0, 1.0);
-    const Pose pelvis_pose = pelvis(time_s);
-    const Pose trunk_pose = trunk(pelvis_pose, time_s);
+    const Gait now = gait(time_s);
+    const auto& [state, walking] = now;
+    const Pose pelvis_pose = pelvis(time_s, now);
+    const Pose trunk_pose = trunk(pelvis_pose, time_s, now);
     T_world_part[kPelvis] = pelvis_pose;
     T_world_part[kTrunk] = trunk_pose;
     T_world_part[kShoulders] = trunk_pose * rotated({-p.shoulder_half_m, 0.0, p.trunk_m - 0.055},
@@ -295,19 +305,20 @@ void add_person(const PersonBuild& build, const PersonScript& script, Scene* sce
                   std::make_unique<PersonMotion>(script, build.height_m));
 }
 
-Pose carried_pose(const PersonScript& script, double height_m, double time_s) {
-  const PersonMotion motion(script, height_m);
-  const Pose pelvis = motion.pelvis(time_s);
-  const Pose trunk = motion.trunk(pelvis, time_s);
-  const Proportions p(height_m);
-  const double reach_rad = script.reach_rad(time_s);
-  const double arm_m = p.upper_arm_m + p.forearm_m;
-  // Where the hands are when the arms point `reach` forward of the trunk.
-  const Eigen::Vector3d hands(0.0, arm_m * std::sin(reach_rad),
-                              p.trunk_m - 0.06 - arm_m * std::cos(reach_rad));
-  Pose pose = pelvis;  // a load is kept level
-  pose.translation() = trunk * hands;
-  return pose;
+std::function<Pose(double)> carried_motion(const PersonScript& script, double height_m) {
+  const auto motion = std::make_shared<const PersonMotion>(script, height_m);
+  return [motion, reach = script.reach_rad, p = Proportions(height_m)](double time_s) {
+    const PersonMotion::Gait gait = motion->gait(time_s);
+    const Pose pelvis = motion->pelvis(time_s, gait);
+    const double reach_rad = reach(time_s);
+    const double arm_m = p.upper_arm_m + p.forearm_m;
+    // Where the hands are when the arms point `reach` forward of the trunk.
+    const Eigen::Vector3d hands(0.0, arm_m * std::sin(reach_rad),
+                                p.trunk_m - 0.06 - arm_m * std::cos(reach_rad));
+    Pose pose = pelvis;  // a load is kept level
+    pose.translation() = motion->trunk(pelvis, time_s, gait) * hands;
+    return pose;
+  };
 }
 
 }  // namespace srslam::detail

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,7 +36,7 @@ PersonBuild make_person(std::uint64_t seed, TexturePainter* painter, Scene* scen
 /// Adds a person to the scene. The same script gives the same motion to any build.
 void add_person(const PersonBuild& build, const PersonScript& script, Scene* scene);
 
-/// Pose of a load held before the chest by somebody who follows `script`.
-Pose carried_pose(const PersonScript& script, double height_m, double time_s);
+/// Pose over time of a load held before the chest by somebody who follows `script`.
+std::function<Pose(double time_s)> carried_motion(const PersonScript& script, double height_m);
 
 }  // namespace srslam::detail

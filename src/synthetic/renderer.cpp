@@ -17,8 +17,8 @@ constexpr float kLampShare = 0.62F;
 constexpr float kShadowReach = 6.0F;
 
 /// Where a part may be seen, in normalised image coordinates: the corners of its box.
-template <typename PosedPart>
-void set_bounds(const Shape& shape, const Pose& T_camera_part, PosedPart* posed) {
+void set_bounds(const Shape& shape, const Pose& T_camera_part,
+                Renderer::Workspace::PosedPart* posed) {
   Eigen::Vector3d low = -shape.scale_m;
   Eigen::Vector3d high = shape.scale_m;
   if (shape.kind == ShapeKind::kRoundCone) {
@@ -205,16 +205,24 @@ Renderer::Hit Renderer::trace(const Eigen::Vector3d& direction,
   return hit;
 }
 
+const Shape& Renderer::shape_of(const Hit& hit) const {
+  return hit.part == kRoomPart ? scene_->room : scene_->parts[hit.part].shape;
+}
+
+Eigen::Vector3d Renderer::unit_point(const Eigen::Vector3d& direction, const Hit& hit,
+                                     const Workspace& workspace) {
+  if (hit.part == kRoomPart) {
+    return workspace.room_origin + hit.depth_m * (workspace.room_from_camera * direction);
+  }
+  const Workspace::PosedPart& posed = workspace.posed[hit.part];
+  return posed.origin + hit.depth_m * (posed.unit_from_camera * direction);
+}
+
 int Renderer::face_of(const Eigen::Vector3d& direction, const Hit& hit,
                       const Workspace& workspace) const {
-  const bool is_room = hit.part == kRoomPart;
-  const Shape& shape = is_room ? scene_->room : scene_->parts[hit.part].shape;
+  const Shape& shape = shape_of(hit);
   if (shape.kind != ShapeKind::kBox) return 0;
-  const Eigen::Vector3d local =
-      is_room ? workspace.room_origin + hit.depth_m * (workspace.room_from_camera * direction)
-              : workspace.posed[hit.part].origin +
-                    hit.depth_m * (workspace.posed[hit.part].unit_from_camera * direction);
-  return surface_point(shape, local).face;
+  return surface_point(shape, unit_point(direction, hit, workspace)).face;
 }
 
 float Renderer::shadow(const Eigen::Vector3f& point_m, const Eigen::Vector3f& normal, int part,
@@ -247,24 +255,18 @@ Eigen::Vector3f Renderer::shade(const Eigen::Vector3d& direction, const Hit& hit
                                 const Pose& T_world_camera, const Workspace& workspace,
                                 float* cosine, std::uint8_t* face) const {
   const Eigen::Vector3d point_world = T_world_camera * (hit.depth_m * direction);
-  SurfacePoint surface;
+  SurfacePoint surface = surface_point(shape_of(hit), unit_point(direction, hit, workspace));
   Eigen::Vector3d normal;
   const Material* material = &scene_->room_material;
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();
   if (hit.part == kRoomPart) {
-    surface =
-        surface_point(scene_->room, workspace.room_origin +
-                                        hit.depth_m * (workspace.room_from_camera * direction));
     normal = scene_->T_world_room.linear() * -surface.normal;
     // Seen from inside, right and left change places.
     const int axis = surface.face / 2;
     if (axis != 2) surface.u_m = 2.0 * scene_->room.scale_m[1 - axis] - surface.u_m;
   } else {
     const Part& part = scene_->parts[hit.part];
-    const Workspace::PosedPart& posed = workspace.posed[hit.part];
-    const Eigen::Vector3d local = posed.origin + hit.depth_m * (posed.unit_from_camera * direction);
-    surface = surface_point(part.shape, local);
-    normal = posed.R_world_part * surface.normal;
+    normal = workspace.posed[hit.part].R_world_part * surface.normal;
     material = &scene_->materials[static_cast<std::size_t>(part.material)];
     offset = part.texture_offset_m;
   }

@@ -85,6 +85,10 @@ class Renderer {
   void assign_tiles(bool try_all_parts, Workspace* workspace) const;
   Hit trace(const Eigen::Vector3d& direction, const std::vector<std::uint16_t>& candidates,
             const Workspace& workspace) const;
+  const Shape& shape_of(const Hit& hit) const;
+  /// What a ray hits, in the unit frame of its shape.
+  static Eigen::Vector3d unit_point(const Eigen::Vector3d& direction, const Hit& hit,
+                                    const Workspace& workspace);
   /// SurfacePoint::face of what a ray hits.
   int face_of(const Eigen::Vector3d& direction, const Hit& hit, const Workspace& workspace) const;
   Eigen::Vector3f shade(const Eigen::Vector3d& direction, const Hit& hit,

@@ -3,12 +3,11 @@
 #include <Eigen/Geometry>
 #include <utility>
 
+#include "synthetic/constants.hpp"
 #include "synthetic/random.hpp"
 
 namespace srslam::detail {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Pose placed(double x_m, double y_m, double z_m, double yaw_rad = 0.0) {
   Pose pose = Pose::Identity();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "srslam/core/se3.hpp"
+#include "synthetic/constants.hpp"
 #include "synthetic/ground_path.hpp"
 #include "synthetic/person.hpp"
 #include "synthetic/rigid_motion.hpp"
@@ -20,7 +21,6 @@
 
 namespace srslam::detail {
 
-inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr CameraPath::Tremor kHandHeld{0.004, 0.006};
 inline constexpr CameraPath::Tremor kHeldStill{0.0008, 0.0008};
 inline constexpr CameraPath::Tremor kTripod{0.0, 0.0};
@@ -246,17 +246,17 @@ class ScenarioStage {
     scene.add_static(leg, T_world_leg);
 
     // At rest exactly where the hands take it and leave it.
-    const double height_m = build.height_m;
+    const auto hands = carried_motion(carrier, build.height_m);
     Pose T_hands_box = Pose::Identity();
     T_hands_box.translation() = Eigen::Vector3d(0.0, 0.5 * size_m.y() + 0.03, 0.0);
-    Pose before = carried_pose(carrier, height_m, picked_s) * T_hands_box;
+    Pose before = hands(picked_s) * T_hands_box;
     before.translation().z() = 0.5 * size_m.z();
-    Pose after = carried_pose(carrier, height_m, put_s) * T_hands_box;
+    Pose after = hands(put_s) * T_hands_box;
     after.translation().z() = 0.715 + 0.5 * size_m.z();
     const auto motion = [=](double time_s) {
       if (time_s <= picked_s) return before;
       if (time_s >= put_s) return after;
-      const Pose held = carried_pose(carrier, height_m, time_s) * T_hands_box;
+      const Pose held = hands(time_s) * T_hands_box;
       // Hands and rest differ a little; the load passes smoothly from one to the other.
       const auto ease = [](double share) { return share * share * (3.0 - 2.0 * share); };
       const double lifted = ease(std::min(1.0, (time_s - picked_s) / 0.8));

@@ -27,6 +27,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* kColorList = "rgb.txt";
 constexpr const char* kDepthList = "depth.txt";
+constexpr const char* kDescription = "scenario.json";
+/// Everything else that a sequence consists of; the list that makes it one goes first.
+constexpr const char* kWritten[] = {kColorList,       kDepthList,    "groundtruth.txt",
+                                    "detections.txt", "camera.yaml", "rgb",
+                                    "depth",          "masks",       "flow"};
 constexpr int kJpegQuality = 95;
 // Flow as in the KITTI benchmark: 16 bits a component, 64 steps a pixel about 2^15.
 constexpr float kFlowSteps_per_px = 64.0F;
@@ -128,10 +133,24 @@ FileStatus prepare_folder(const std::string& folder, const SequenceWriterOptions
     return FileStatus::failure(StatusCode::kInvalidArgument, folder, 0,
                                "the folder is not empty; name another one or allow overwriting");
   }
+  // scenario.json is written first and marks what is ours. Without it images in the folder are
+  // somebody's recording.
+  if (!fs::exists(fs::path(folder) / kDescription, error)) {
+    for (const char* name : kWritten) {
+      if (fs::exists(fs::path(folder) / name, error)) {
+        return FileStatus::failure(StatusCode::kInvalidArgument, folder, 0,
+                                   std::string("holds ") + name + " but no " + kDescription +
+                                       ": not a rendered sequence, which alone is overwritten");
+      }
+    }
+  }
   // An unfinished sequence must not look like one, and no image of an earlier one may remain.
-  for (const char* name : {kColorList, kDepthList, "groundtruth.txt", "detections.txt",
-                           "camera.yaml", "scenario.json", "rgb", "depth", "masks", "flow"}) {
+  for (const char* name : kWritten) {
     fs::remove_all(fs::path(folder) / name, error);
+    if (error) {
+      return FileStatus::failure(StatusCode::kIoError, (fs::path(folder) / name).string(), 0,
+                                 "cannot be removed: " + error.message());
+    }
   }
   std::vector<const char*> folders{"rgb", "depth", "masks"};
   if (options.flow) folders.push_back("flow");
@@ -151,6 +170,8 @@ FileStatus prepare_folder(const std::string& folder, const SequenceWriterOptions
 FileStatus write_sequence(const SyntheticWorld& world, const std::string& folder,
                           const SequenceWriterOptions& options, const SequenceProgress& progress) {
   FileStatus status = prepare_folder(folder, options);
+  const std::string prefix = folder + "/";
+  if (status.ok()) status = write_text(prefix + kDescription, world.description_json());
   if (!status.ok()) return status;
 
   const std::size_t num_frames = world.options().num_frames;
@@ -201,12 +222,10 @@ FileStatus write_sequence(const SyntheticWorld& world, const std::string& folder
     color_list += stamp_text(timestamp_s) + " " + names.color_name(timestamp_s) + "\n";
     depth_list += stamp_text(timestamp_s) + " " + ImageWriter::depth_name(timestamp_s) + "\n";
   }
-  const std::string prefix = folder + "/";
   status = write_trajectory(prefix + "groundtruth.txt", groundtruth,
                             "ground truth of the camera\ntimestamp tx ty tz qx qy qz qw");
   if (status.ok()) status = write_detections(prefix + "detections.txt", detections);
   if (status.ok()) status = write_camera_file(prefix + "camera.yaml", world.options().camera);
-  if (status.ok()) status = write_text(prefix + "scenario.json", world.description_json());
   if (status.ok()) status = write_text(prefix + kDepthList, depth_list);
   if (status.ok()) status = write_text(prefix + kColorList, color_list);
   return status;

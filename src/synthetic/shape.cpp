@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "synthetic/constants.hpp"
+
 namespace srslam::detail {
 namespace {
 
@@ -240,7 +242,6 @@ SurfacePoint surface_point(const Shape& shape, const Eigen::Vector3d& point) {
   const double radius = shape.kind == ShapeKind::kRoundCone
                             ? std::max(shape.radius_start, shape.radius_end)
                             : std::max(shape.scale_m.x(), shape.scale_m.y());
-  constexpr double kPi = 3.14159265358979323846;
   surface.u_m =
       radius *
       (kPi - double(std::atan2(static_cast<float>(point.x()), static_cast<float>(point.y()))));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "synthetic/constants.hpp"
 #include "synthetic/random.hpp"
 
 namespace srslam::detail {
@@ -20,8 +21,8 @@ class SmoothSignal {
       const double share = (static_cast<double>(i) + random->uniform()) / double(kNumSines);
       const double frequency_hz = low_hz * std::pow(high_hz / low_hz, share);
       Sine& sine = sines_[i];
-      sine.rate = kTwoPi * frequency_hz;
-      sine.phase = kTwoPi * random->uniform();
+      sine.rate = 2.0 * kPi * frequency_hz;
+      sine.phase = 2.0 * kPi * random->uniform();
       sine.amplitude = random->uniform(0.6, 1.4) / frequency_hz;
       power += 0.5 * sine.amplitude * sine.amplitude;
     }
@@ -37,7 +38,6 @@ class SmoothSignal {
 
  private:
   static constexpr std::size_t kNumSines = 7;
-  static constexpr double kTwoPi = 6.28318530717958647692;
   struct Sine {
     double amplitude = 0.0;
     double rate = 0.0;

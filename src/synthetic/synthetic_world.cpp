@@ -112,6 +112,10 @@ struct SyntheticWorld::Impl {
   }
 
   double time_s(std::size_t frame) const { return double(frame) / options.camera.fps; }
+  /// In whole microseconds, which text files keep.
+  double timestamp_s(std::size_t frame) const {
+    return kFirstTimestamp_s + std::round(1e6 * time_s(frame)) / 1e6;
+  }
 
   SyntheticOptions options;
   detail::BuiltScenario scenario;
@@ -134,10 +138,7 @@ FileStatus SyntheticWorld::create(const SyntheticOptions& options) {
 
 const SyntheticOptions& SyntheticWorld::options() const { return impl_->options; }
 
-double SyntheticWorld::timestamp_s(std::size_t frame) const {
-  // Whole microseconds, which text files keep.
-  return kFirstTimestamp_s + std::round(1e6 * impl_->time_s(frame)) / 1e6;
-}
+double SyntheticWorld::timestamp_s(std::size_t frame) const { return impl_->timestamp_s(frame); }
 
 Pose SyntheticWorld::T_world_camera(std::size_t frame) const {
   return impl_->scenario.camera.T_world_camera(impl_->time_s(frame));
@@ -208,7 +209,7 @@ Status SyntheticRenderer::render(std::size_t index, SyntheticFrame* frame) {
   }
   const double time_s = world.time_s(index);
   const detail::Scene& scene = world.scenario.scene;
-  frame->timestamp_s = kFirstTimestamp_s + std::round(1e6 * time_s) / 1e6;
+  frame->timestamp_s = world.timestamp_s(index);
   frame->T_world_camera = world.scenario.camera.T_world_camera(time_s);
   impl_->T_world_camera = frame->T_world_camera;
   detail::PixelBuffers& pixels = impl_->pixels;

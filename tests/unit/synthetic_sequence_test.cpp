@@ -151,6 +151,19 @@ TEST_F(SyntheticSequence, TouchesNothingInAFolderThatIsNotEmpty) {
   EXPECT_FALSE(fs::exists(folder("mine/rgb/old.png")));
 }
 
+TEST_F(SyntheticSequence, NeverOverwritesARecording) {
+  fs::create_directories(folder("tum/rgb"));
+  std::ofstream(folder("tum/rgb/1.png")) << "recorded";
+  std::ofstream(folder("tum/rgb.txt")) << "1.0 rgb/1.png";
+  SequenceWriterOptions options;
+  options.overwrite = true;
+  const FileStatus status = write_sequence(short_world(), folder("tum"), options);
+  EXPECT_EQ(status.code, StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("scenario.json"), std::string::npos) << status.message();
+  EXPECT_EQ(content(folder("tum/rgb/1.png")), "recorded");
+  EXPECT_EQ(content(folder("tum/rgb.txt")), "1.0 rgb/1.png");
+}
+
 TEST_F(SyntheticSequence, StoppedHalfWayItIsNoSequence) {
   const FileStatus status = write_sequence(short_world(), folder("a"), {},
                                            [](std::size_t num_done) { return num_done < 3; });
@@ -158,6 +171,11 @@ TEST_F(SyntheticSequence, StoppedHalfWayItIsNoSequence) {
   EXPECT_FALSE(fs::exists(folder("a/rgb.txt")));
   TumDataset dataset;
   EXPECT_FALSE(TumDataset::open(folder("a"), {}, &dataset).ok());
+  // It can be taken up again.
+  SequenceWriterOptions options;
+  options.overwrite = true;
+  EXPECT_TRUE(write_sequence(short_world(), folder("a"), options).ok());
+  EXPECT_TRUE(TumDataset::open(folder("a"), {}, &dataset).ok());
 }
 
 TEST_F(SyntheticSequence, SaysWhereItCannotWrite) {

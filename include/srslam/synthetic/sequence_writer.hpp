@@ -22,8 +22,9 @@ using SequenceProgress = std::function<bool(std::size_t num_done)>;
 /// Draws every frame of `world` into `folder` in the TUM layout: rgb/ and depth/ with their lists,
 /// groundtruth.txt, camera.yaml, masks/, detections.txt and scenario.json. The lists are written at
 /// the end, so that a folder that was not finished is not taken for a sequence. Fails without
-/// touching anything (kInvalidArgument) when the folder holds something and `overwrite` is not set.
-/// A stop by `progress` is kNotConverged.
+/// touching anything (kInvalidArgument) when the folder holds something and `overwrite` is not set,
+/// or when it holds images that no scenario.json says are rendered. A stop by `progress` is
+/// kNotConverged.
 FileStatus write_sequence(const SyntheticWorld& world, const std::string& folder,
                           const SequenceWriterOptions& options,
                           const SequenceProgress& progress = {});
