@@ -188,6 +188,7 @@ TEST(FeatureQuality, LiterallyEmptinessCostsNothing) {
 TEST(FeatureQuality, OrderBordersAndOddValues) {
   test::Rng rng(12);
   std::vector<Feature> features;
+  features.reserve(300);
   for (int i = 0; i < 300; ++i) {
     features.push_back(feature(float(rng.uniform(0.0, 639.0)), float(rng.uniform(0.0, 479.0)),
                                float(rng.uniform(0.0, 255.0))));
@@ -236,7 +237,7 @@ TEST(DepthQuality, FlatIsPerfectAndNothingIsNothing) {
   const std::vector<float> flat = plane(640, 480, 2.5F, 0.0F);
   EXPECT_NEAR(depth_quality({flat.data(), 640, 480}).metric.value, 3.0, 1e-9);
   for (const float invalid : {0.0F, -1.0F, 9.0F, float(kNaN), kInfinity, -kInfinity}) {
-    const std::vector<float> nothing(640 * 480, invalid);
+    const std::vector<float> nothing(std::size_t{640} * 480, invalid);
     EXPECT_EQ(depth_quality({nothing.data(), 640, 480}).metric.value, 0.0) << invalid;
     DepthQualityOptions literal;
     literal.form = DepthQualityForm::kLiteral;

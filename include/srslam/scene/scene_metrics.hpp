@@ -285,16 +285,26 @@ struct DepthRange {
   bool holds(float depth_m) const noexcept { return depth_m > low_m && depth_m < high_m; }
 };
 
+/// Depth of `size` pixels where it is valid and `otherwise` where not, and 1 or 0 to tell. Choice
+/// and arithmetic are loops of their own: compilers make vector code of each, but not of arithmetic
+/// under a condition, which might raise floating-point exceptions that the condition avoids.
+template <typename Pixel, typename ToMetres>
+void read_depth(const Pixel* pixels, int size, const ToMetres& to_metres, const DepthRange& range,
+                float otherwise_m, float* depth_m, int* valid) noexcept {
+  for (int k = 0; k < size; ++k) depth_m[k] = to_metres(pixels[k]);
+  for (int k = 0; k < size; ++k) {
+    valid[k] = int(depth_m[k] > range.low_m) & int(depth_m[k] < range.high_m);
+  }
+  for (int k = 0; k < size; ++k) depth_m[k] = valid[k] != 0 ? depth_m[k] : otherwise_m;
+}
+
 /// Adds the pixels [u_begin, u_end) of a row to a cell. `above` and `below` are the neighbouring
-/// rows, or null at the image's edges; columns 0 and width - 1 have no gradient. Works on as many
-/// pixels at a time as fit, with sums of their own, so that compilers turn it into vector code
-/// without being allowed to reorder sums.
+/// rows, or null at the image's edges; columns 0 and width - 1 have no gradient.
 template <typename Pixel, typename ToMetres>
 void add_depth_segment(const Pixel* row, const Pixel* above, const Pixel* below, int u_begin,
                        int u_end, int width, const ToMetres& to_metres, const DepthRange& range,
                        DepthSums* sums) noexcept {
-  constexpr int kLanes = 8;
-  using Lanes = Eigen::Array<float, kLanes, 1>;
+  constexpr int kBlock = 64;
   sums->num_samples += u_end - u_begin;
   int u = u_begin;
   if (sums->num_valid == 0) {
@@ -304,63 +314,46 @@ void add_depth_segment(const Pixel* row, const Pixel* above, const Pixel* below,
     sums->origin_m = to_metres(row[u]);
   }
   const float origin_m = sums->origin_m;
-  const auto add_one = [&](int at) {
-    const float depth_m = to_metres(row[at]);
-    if (!range.holds(depth_m)) return;
-    ++sums->num_valid;
-    const double offset_m = depth_m - origin_m;
-    sums->sum += offset_m;
-    sums->sum_squares += offset_m * offset_m;
-    if (above == nullptr || below == nullptr || at == 0 || at + 1 >= width) return;
-    const float left = to_metres(row[at - 1]);
-    const float right = to_metres(row[at + 1]);
-    const float up = to_metres(above[at]);
-    const float down = to_metres(below[at]);
-    if (!range.holds(left) || !range.holds(right) || !range.holds(up) || !range.holds(down)) return;
-    const float du = 0.5F * (right - left);
-    const float dv = 0.5F * (down - up);
-    ++sums->num_gradients;
-    sums->sum_gradients += std::sqrt(du * du + dv * dv);
-  };
-  if (u == 0) add_one(u++);
-  Lanes sum = Lanes::Zero();
-  Lanes sum_squares = Lanes::Zero();
-  Lanes sum_gradients = Lanes::Zero();
-  Lanes num_valid = Lanes::Zero();
-  Lanes num_gradients = Lanes::Zero();
-  if (above != nullptr && below != nullptr) {
-    for (; u + kLanes <= std::min(u_end, width - 1); u += kLanes) {
-      Lanes squares;
-      Lanes weight;
-      for (int k = 0; k < kLanes; ++k) {
-        const float depth_m = to_metres(row[u + k]);
-        const float left = to_metres(row[u + k - 1]);
-        const float right = to_metres(row[u + k + 1]);
-        const float up = to_metres(above[u + k]);
-        const float down = to_metres(below[u + k]);
-        const bool valid = range.holds(depth_m);
-        const float offset_m = valid ? depth_m - origin_m : 0.0F;
-        sum[k] += offset_m;
-        sum_squares[k] += offset_m * offset_m;
-        num_valid[k] += valid ? 1.0F : 0.0F;
-        const bool surrounded =
-            valid & range.holds(left) & range.holds(right) & range.holds(up) & range.holds(down);
-        const float du = surrounded ? right - left : 0.0F;
-        const float dv = surrounded ? down - up : 0.0F;
-        squares[k] = du * du + dv * dv;
-        weight[k] = surrounded ? 1.0F : 0.0F;
-      }
-      sum_gradients += 0.5F * squares.sqrt();
-      num_gradients += weight;
+  for (; u < u_end; u += kBlock) {
+    const int size = std::min(kBlock, u_end - u);
+    // The block from index 1 on, with a neighbour on either side, of which the image's edge has
+    // none.
+    const int first = u > 0 ? 0 : 1;
+    const int last = u + size < width ? size + 2 : size + 1;
+    std::array<float, kBlock + 2> depth_m{};
+    std::array<int, kBlock + 2> valid{};
+    read_depth(row + (u + first - 1), last - first, to_metres, range, origin_m,
+               depth_m.data() + first, valid.data() + first);
+    Eigen::Array<float, kBlock, 1> values = Eigen::Array<float, kBlock, 1>::Zero();
+    int count = 0;
+    for (int k = 0; k < size; ++k) {
+      values[k] = depth_m[std::size_t(k) + 1] - origin_m;
+      count += valid[std::size_t(k) + 1];
     }
+    sums->num_valid += count;
+    sums->sum += double(values.sum());
+    sums->sum_squares += double(values.square().sum());
+    if (above == nullptr || below == nullptr) continue;
+
+    std::array<float, kBlock> up_m;
+    std::array<float, kBlock> down_m;
+    std::array<int, kBlock> up_valid;
+    std::array<int, kBlock> down_valid;
+    read_depth(above + u, size, to_metres, range, origin_m, up_m.data(), up_valid.data());
+    read_depth(below + u, size, to_metres, range, origin_m, down_m.data(), down_valid.data());
+    count = 0;
+    for (int k = 0; k < size; ++k) {
+      const auto i = std::size_t(k);
+      const int surrounded = valid[i] & valid[i + 1] & valid[i + 2] & up_valid[i] & down_valid[i];
+      const float du = depth_m[i + 2] - depth_m[i];
+      const float dv = down_m[i] - up_m[i];
+      values[k] = float(surrounded) * (du * du + dv * dv);
+      count += surrounded;
+    }
+    sums->num_gradients += count;
+    // Central differences span two pixels.
+    sums->sum_gradients += 0.5 * double(values.sqrt().sum());
   }
-  // A lane has held fewer than a row's pixels: counts are exact, sums good to six digits.
-  sums->sum += double(sum.sum());
-  sums->sum_squares += double(sum_squares.sum());
-  sums->sum_gradients += double(sum_gradients.sum());
-  sums->num_valid += static_cast<int>(num_valid.sum());
-  sums->num_gradients += static_cast<int>(num_gradients.sum());
-  for (; u < u_end; ++u) add_one(u);
 }
 
 template <typename Pixel, typename ToMetres>
