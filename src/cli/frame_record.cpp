@@ -1,21 +1,59 @@
 #include "cli/frame_record.hpp"
 
+#include <cmath>
+
 #include "cli/number_text.hpp"
 #include "cli/text_list.hpp"
 
 namespace srslam::cli {
 
+namespace {
+
+constexpr int kNumSceneColumns = 14;
+constexpr int kTimeDecimals = 3;
+
+/// A number that exists, or nothing.
+std::string optional_text(double value, int decimals) {
+  return std::isfinite(value) ? fixed_text(value, decimals) : std::string();
+}
+
+std::string scene_columns(const SceneReport& scene) {
+  constexpr int kDecimals = 4;
+  std::string line = std::string(",") + to_string(scene.scene_class);
+  for (const double value :
+       {scene.reliability, scene.current.value, scene.confidence.metric.normalized(),
+        scene.spatial.metric.normalized(), scene.feature.metric.normalized(),
+        scene.depth.metric.normalized()}) {
+    line += "," + optional_text(value, kDecimals);
+  }
+  if (scene.initial) {
+    line += ",,,,,,";
+  } else {
+    line += "," + fixed_text(scene.residual_px, kDecimals) + "," +
+            to_string(scene.residual.compensation) + "," +
+            fixed_text(scene.inlier_share, kDecimals) + "," +
+            fixed_text(scene.alive_share, kDecimals) + "," +
+            fixed_text(scene.residual.motion.certainty, kDecimals) + "," +
+            std::to_string(scene.reference_age_frames);
+  }
+  return line + "," + csv_text(scene.line());
+}
+
+}  // namespace
+
 std::string frames_csv_header() {
   std::string line =
       "index,timestamp_s,state,num_features,num_features_with_depth,num_matches,num_inliers,"
-      "relocalized,is_keyframe,keyframe_reason,num_keyframes,num_map_points,decode_ms,read_wait_ms";
+      "relocalized,is_keyframe,keyframe_reason,num_keyframes,num_map_points,scene_class,"
+      "reliability,"
+      "current_reliability,confidence,spatial,feature,depth,residual_px,residual_kind,inlier_share,"
+      "alive_share,motion_certainty,reference_age_frames,scene_reason,decode_ms,read_wait_ms";
   for (const Stage& stage : kStages) line += "," + std::string(stage.name) + "_ms";
   return line + ",note\n";
 }
 
 std::string frames_csv_line(const FrameRecord& record, const PipelineResult* result,
                             const std::string& note) {
-  constexpr int kTimeDecimals = 3;
   std::string line = std::to_string(record.index) + "," + fixed_text(record.timestamp_s, 6) + "," +
                      to_string(record.outcome);
   if (result != nullptr) {
@@ -29,6 +67,8 @@ std::string frames_csv_line(const FrameRecord& record, const PipelineResult* res
   } else {
     line += ",0,0,0,0,0,0,,,";
   }
+  line += result != nullptr && result->has_scene ? scene_columns(result->scene)
+                                                 : std::string(kNumSceneColumns, ',');
   line += "," + fixed_text(record.decode_ms, kTimeDecimals) + "," +
           fixed_text(record.read_wait_ms, kTimeDecimals);
   for (const Stage& stage : kStages) {

@@ -59,8 +59,9 @@ struct Stage {
   const char* name = "";
   double StageTimes::*field = nullptr;
 };
-constexpr std::array<Stage, 7> kStages = {{
+constexpr std::array<Stage, 8> kStages = {{
     {"features", &StageTimes::features_ms},
+    {"scene", &StageTimes::scene_ms},
     {"tracking", &StageTimes::tracking_ms},
     {"local_map", &StageTimes::local_map_ms},
     {"relocalization", &StageTimes::relocalization_ms},

@@ -27,7 +27,7 @@ std::string describe_modules(const std::vector<Module>& modules) {
 
 const std::vector<Module>& known_modules() {
   static const std::vector<Module> modules = {
-      {'S', "scene reliability", false, ""},
+      {'S', "scene reliability", true, ""},
       {'P', "pose refinement", false, "S"},
       {'D', "dynamic culling", false, "S"},
       {'B', "back-end keyframes and weighting", false, "S"},

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "cli/number_text.hpp"
 #include "srslam/io/flat_yaml.hpp"
@@ -28,6 +29,12 @@ std::string range_text(const RealOption& option) {
 
 std::string range_text(const SeedOption&) {
   return "0 to " + std::to_string(std::numeric_limits<int>::max());
+}
+
+std::string range_text(const ChoiceOption& option) {
+  std::string text;
+  for (const char* name : option.names) text += (text.empty() ? "" : ", ") + std::string(name);
+  return text;
 }
 
 bool is_in_range(const IntOption& option, int value) {
@@ -67,20 +74,40 @@ FileStatus set_field(const Option& option, const std::string& path, const FlatYa
   return FileStatus::success();
 }
 
+FileStatus set_field(const ChoiceOption& option, const std::string& path,
+                     const FlatYamlEntry& entry, PipelineOptions* options) {
+  const auto found = std::find(option.names.begin(), option.names.end(), entry.value);
+  if (found == option.names.end()) {
+    return FileStatus::failure(StatusCode::kInvalidArgument, path, entry.line,
+                               "value " + entry.value + " of key '" + entry.key +
+                                   "' is unknown: expected one of " + range_text(option));
+  }
+  option.set(*options, static_cast<int>(found - option.names.begin()));
+  return FileStatus::success();
+}
+
 std::string text_of(int value) { return std::to_string(value); }
 std::string text_of(std::uint32_t value) { return std::to_string(value); }
 std::string text_of(double value) { return shortest_text(value); }
+
+template <typename Option>
+std::string field_text(const Option& option, PipelineOptions* options) {
+  return text_of(option.field(*options));
+}
+
+std::string field_text(const ChoiceOption& option, PipelineOptions* options) {
+  return option.names[static_cast<std::size_t>(option.get(*options))];
+}
 
 /// Pads a cell on the right. Keys, values, ranges and units are ASCII, so bytes are columns.
 std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(width - std::min(width, text.size()), ' ');
 }
 
-}  // namespace
-
-const std::vector<PipelineOption>& pipeline_option_table() {
+/// Features, tracking, keyframes and mapping.
+std::vector<PipelineOption> slam_option_table() {
   using O = PipelineOptions;
-  static const std::vector<PipelineOption> table = {
+  return {
       {"features.num_features",
        IntOption{[](O& o) -> int& { return o.features.num_features; }, 50, 20000}, "",
        "ORB features wanted in a frame"},
@@ -160,9 +187,21 @@ const std::vector<PipelineOption>& pipeline_option_table() {
       {"mapping.redundant_share",
        RealOption{[](O& o) -> double& { return o.mapping.redundant_share; }, 0.0, 1.0, true}, "",
        "a keyframe leaves when other keyframes see this share of its points"},
-      {"num_threads", IntOption{[](O& o) -> int& { return o.num_threads; }, 1, 2}, "",
-       "1: no second thread; 2: bundle adjustment beside tracking; the result is the same", false},
   };
+}
+
+}  // namespace
+
+const std::vector<PipelineOption>& pipeline_option_table() {
+  static const std::vector<PipelineOption> table = [] {
+    std::vector<PipelineOption> all = slam_option_table();
+    for (PipelineOption& option : scene_option_table()) all.push_back(std::move(option));
+    all.push_back(
+        {"num_threads", IntOption{[](PipelineOptions& o) -> int& { return o.num_threads; }, 1, 2},
+         "", "1: no second thread; 2: bundle adjustment beside tracking; the result is the same",
+         false});
+    return all;
+  }();
   return table;
 }
 
@@ -195,8 +234,7 @@ FileStatus read_pipeline_config(const std::string& path, PipelineOptions* option
 
 std::string value_text(const PipelineOption& option, const PipelineOptions& options) {
   PipelineOptions copy = options;  // the table's accessors give mutable references
-  return std::visit([&copy](const auto& value) { return text_of(value.field(copy)); },
-                    option.value);
+  return std::visit([&copy](const auto& value) { return field_text(value, &copy); }, option.value);
 }
 
 std::string config_file_text(const PipelineOptions& options) {

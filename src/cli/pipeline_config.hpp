@@ -30,10 +30,17 @@ struct SeedOption {
   std::uint32_t& (*field)(PipelineOptions&) = nullptr;
 };
 
+/// One of several named ways, numbered from 0.
+struct ChoiceOption {
+  int (*get)(const PipelineOptions&) = nullptr;
+  void (*set)(PipelineOptions&, int) = nullptr;
+  std::vector<const char*> names;
+};
+
 /// One field of PipelineOptions as configuration files name it.
 struct PipelineOption {
   const char* key = "";
-  std::variant<IntOption, RealOption, SeedOption> value;
+  std::variant<IntOption, RealOption, SeedOption, ChoiceOption> value;
   const char* unit = "";  ///< "" when it is a plain number
   const char* meaning = "";
   bool affects_result = true;  ///< part of the configuration hash
@@ -42,6 +49,9 @@ struct PipelineOption {
 /// The one table of the pipeline's options: configuration files, the `options` command, the
 /// effective configuration of a run, its hash and the table in docs/program.md all follow from it.
 const std::vector<PipelineOption>& pipeline_option_table();
+
+/// Its part for module S.
+std::vector<PipelineOption> scene_option_table();
 
 /// Reads a configuration file, `key: value` a line, over what `options` holds. Unknown or repeated
 /// keys, values of another type and values out of range fail with file, line and reason;

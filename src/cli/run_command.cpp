@@ -151,6 +151,10 @@ class Run {
     record->num_matches = result.num_matches;
     record->num_inliers = result.num_inliers;
     record->times = result.times;
+    if (result.has_scene) {
+      record->reliability = result.scene.reliability;
+      record->is_good = result.scene.scene_class == SceneClass::kGood;
+    }
     if (with_report_) features_.append(record->index, result);
     result_.num_map_points = result.num_map_points;
     result_.records.push_back(*record);

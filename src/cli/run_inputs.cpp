@@ -105,6 +105,7 @@ std::string load_options(const RunSettings& settings, RunInputs* inputs) {
     const FileStatus status = read_pipeline_config(settings.config_file, &inputs->options);
     if (!status.ok()) return status.message();
   }
+  inputs->options.scene.enabled = inputs->modules.letters.find('S') != std::string::npos;
   if (settings.num_threads) inputs->options.num_threads = *settings.num_threads;
   const Status valid = inputs->options.validate();
   return valid.ok() ? std::string() : std::string("pipeline options: ") + valid.reason;

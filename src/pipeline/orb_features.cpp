@@ -7,7 +7,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "srslam/interop/opencv.hpp"
+#include "srslam/interop/opencv_views.hpp"
 
 namespace srslam::detail {
 namespace {

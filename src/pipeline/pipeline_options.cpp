@@ -59,7 +59,13 @@ Status PipelineOptions::validate() const noexcept {
   if (mapping.apply_after_frames < 1) return bad("mapping.apply_after_frames must be at least 1");
   if (!share(mapping.redundant_share)) return bad("mapping.redundant_share must be in (0, 1]");
   if (num_threads < 1 || num_threads > 2) return bad("num_threads must be 1 or 2");
-  return Status::success();
+  const Status scene_status = scene.assessor.validate();
+  if (!scene_status.ok()) return scene_status;
+  // A frame that becomes the reference must still be at hand.
+  if (scene.flow.history < scene.assessor.reference.num_recent_frames()) {
+    return bad("scene: the tracker's history must hold all candidates for the reference frame");
+  }
+  return scene.flow.validate();
 }
 
 }  // namespace srslam

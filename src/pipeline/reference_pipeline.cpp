@@ -6,6 +6,7 @@
 #include "pipeline/local_mapping.hpp"
 #include "pipeline/map.hpp"
 #include "pipeline/orb_features.hpp"
+#include "pipeline/scene_module.hpp"
 #include "pipeline/stopwatch.hpp"
 #include "pipeline/tracker.hpp"
 
@@ -31,7 +32,11 @@ struct ReferencePipeline::Impl {
                                          options.features.scale_factor,
                                          options.tracking.virtual_baseline_m)),
         mapper(options, &map),
-        tracker(options, &map) {}
+        tracker(options, &map) {
+    if (options.scene.enabled) {
+      scene = std::make_unique<detail::SceneModule>(camera, options.scene);
+    }
+  }
 
   Status check(const PipelineFrame& frame) const;
   void initialize(const PipelineFrame& input, PipelineResult* result);
@@ -45,6 +50,7 @@ struct ReferencePipeline::Impl {
   detail::Map map;
   detail::LocalMapper mapper;
   detail::Tracker tracker;
+  std::unique_ptr<detail::SceneModule> scene;  ///< null without module S
 
   detail::OrbFeatures extracted;
   FeatureFrame frame;
@@ -218,6 +224,12 @@ PipelineResult ReferencePipeline::process(const PipelineFrame& input) {
     if (measurement.has_depth()) ++result.num_features_with_depth;
   }
   result.times.features_ms = stopwatch.lap_ms();
+
+  if (impl.scene != nullptr) {
+    result.scene = impl.scene->assess(input, impl.frame.features);
+    result.has_scene = result.scene.status.ok();
+    result.times.scene_ms = stopwatch.lap_ms();
+  }
 
   if (impl.map.keyframe_indices().empty()) {
     impl.initialize(input, &result);

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "srslam/core/se3.hpp"
-#include "srslam/interop/opencv.hpp"
+#include "srslam/interop/opencv_views.hpp"
 
 namespace srslam::detail {
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace srslam {
@@ -15,6 +16,18 @@ struct Detection {
   double x_max_px = 0.0;  ///< > x_min_px
   double y_max_px = 0.0;  ///< > y_min_px
 };
+
+/// Whether what a detector calls so moves by itself: the people, vehicles and animals of COCO.
+inline bool is_movable_class(std::string_view class_name) noexcept {
+  constexpr std::string_view kMovable[] = {
+      "person", "bicycle", "car",   "motorcycle", "airplane", "bus",   "train",
+      "truck",  "boat",    "bird",  "cat",        "dog",      "horse", "sheep",
+      "cow",    "bear",    "zebra", "elephant",   "giraffe"};
+  for (const std::string_view name : kMovable) {
+    if (class_name == name) return true;
+  }
+  return false;
+}
 
 /// What a detector said of one frame. An empty list means "looked at, nothing found", which is
 /// not the same as a frame that was never looked at.

@@ -3,6 +3,8 @@
 #include <cstdint>
 
 #include "srslam/core/status.hpp"
+#include "srslam/scene/lucas_kanade_options.hpp"
+#include "srslam/scene/reliability.hpp"
 
 namespace srslam {
 
@@ -50,11 +52,19 @@ struct MappingOptions {
   double redundant_share = 0.9;  ///< of a keyframe's points seen by others: it leaves, (0, 1]
 };
 
+/// Module S: judges every frame (docs/scene_reliability.md). By itself it changes no pose.
+struct SceneOptions {
+  bool enabled = false;
+  SceneAssessorOptions assessor;
+  LucasKanadeOptions flow;
+};
+
 struct PipelineOptions {
   FeatureOptions features;
   TrackingOptions tracking;
   KeyframeOptions keyframes;
   MappingOptions mapping;
+  SceneOptions scene;
   int num_threads = 2;  ///< 1 or 2: with 2, bundle adjustment overlaps tracking; same bits
 
   /// Ok, or the first value outside its domain.

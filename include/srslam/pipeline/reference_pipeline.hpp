@@ -14,6 +14,7 @@
 #include "srslam/core/status.hpp"
 #include "srslam/evaluation/trajectory.hpp"
 #include "srslam/pipeline/pipeline_options.hpp"
+#include "srslam/scene/reliability.hpp"
 
 namespace srslam {
 
@@ -24,8 +25,8 @@ struct PipelineFrame {
   ImageView<const float> depth_m;      ///< camera's size; invalid where <= 0 or not finite
   /// Optional, camera's size: no feature is taken where it is 0.
   ImageView<const std::uint8_t> feature_mask;
-  /// Boxes of this frame, read only when has_detections; the baseline carries them to the paper's
-  /// modules and does not mask by them.
+  /// Boxes of this frame, read only when has_detections, by the paper's modules alone; the baseline
+  /// does not mask by them.
   ArrayView<const Detection> detections;
   bool has_detections = false;
 };
@@ -51,6 +52,7 @@ constexpr const char* to_string(TrackingState state) noexcept {
 /// Wall time of one frame by stage [ms]; a stage that did not run is 0.
 struct StageTimes {
   double features_ms = 0.0;
+  double scene_ms = 0.0;      ///< module S: optical flow and assessment
   double tracking_ms = 0.0;   ///< matching and pose solving against the last frame
   double local_map_ms = 0.0;  ///< projection of the local map and the final pose
   double relocalization_ms = 0.0;
@@ -79,6 +81,8 @@ struct PipelineResult {
   const char* keyframe_reason = "";  ///< why this frame did or did not become one
   int num_keyframes = 0;             ///< in the map after this frame
   int num_map_points = 0;
+  bool has_scene = false;  ///< module S has judged the frame
+  SceneReport scene;
   StageTimes times;
   /// Features of this frame and what became of each, valid until the next process().
   ArrayView<const Feature> features;

@@ -314,6 +314,10 @@ void add_depth_segment(const Pixel* row, const Pixel* above, const Pixel* below,
     sums->origin_m = to_metres(row[u]);
   }
   const float origin_m = sums->origin_m;
+  std::array<float, kBlock> up_m{};
+  std::array<float, kBlock> down_m{};
+  std::array<int, kBlock> up_valid{};
+  std::array<int, kBlock> down_valid{};
   for (; u < u_end; u += kBlock) {
     const int size = std::min(kBlock, u_end - u);
     // The block from index 1 on, with a neighbour on either side, of which the image's edge has
@@ -335,10 +339,6 @@ void add_depth_segment(const Pixel* row, const Pixel* above, const Pixel* below,
     sums->sum_squares += double(values.square().sum());
     if (above == nullptr || below == nullptr) continue;
 
-    std::array<float, kBlock> up_m;
-    std::array<float, kBlock> down_m;
-    std::array<int, kBlock> up_valid;
-    std::array<int, kBlock> down_valid;
     read_depth(above + u, size, to_metres, range, origin_m, up_m.data(), up_valid.data());
     read_depth(below + u, size, to_metres, range, origin_m, down_m.data(), down_valid.data());
     count = 0;

@@ -1,0 +1,300 @@
+// How well the terms of the reliability predict that feature-based tracking fails.
+//
+//     reliability_probe --dataset DIR --output FILE.csv [--camera NAME] [--groundtruth FILE] ...
+//
+// Writes one line a frame: the error of a plain tracker (ORB and PnP over three frames, nothing
+// culled) and every term of the reliability, with the motion residual in each of its variants and
+// for references of several greatest ages. reliability_auc.py makes tables of these files.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/features2d.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/run_inputs.hpp"
+#include "pipeline/orb_features.hpp"
+#include "srslam/core/se3.hpp"
+#include "srslam/evaluation/association.hpp"
+#include "srslam/interop/opencv.hpp"
+#include "srslam/io/detections_file.hpp"
+#include "srslam/scene/reliability.hpp"
+
+namespace {
+
+using srslam::DominantMotionWorkspace;
+using srslam::FlowPoint;
+using srslam::FlowTrack;
+using srslam::ImageView;
+using srslam::LucasKanadeOptions;
+using srslam::LucasKanadeTracker;
+using srslam::MotionCompensation;
+using srslam::MotionResidualResult;
+using srslam::PinholeCamera;
+using srslam::Pose;
+using srslam::SceneAssessor;
+using srslam::SceneAssessorOptions;
+using srslam::SceneObservation;
+using srslam::SceneReport;
+
+constexpr int kProbeStep = 3;       // frames
+constexpr double kFailed_m = 10.0;  // written where the probe finds no pose
+
+/// ORB and PnP between frames: what a feature-based tracker makes of them without any care.
+class PlainTracker {
+ public:
+  explicit PlainTracker(const PinholeCamera& camera) : camera_(camera) {
+    camera_matrix_ = (cv::Mat_<double>(3, 3) << camera.fx_px, 0.0, camera.cx_px, 0.0, camera.fy_px,
+                      camera.cy_px, 0.0, 0.0, 1.0);
+    distortion_ = (cv::Mat_<double>(1, 5) << camera.k1, camera.k2, camera.p1, camera.p2, camera.k3);
+  }
+
+  /// Distance between the true camera position and the one that matches with the frame `kProbeStep`
+  /// before give [m]; NaN where there is no such frame yet.
+  double error_m(const ImageView<const std::uint8_t>& gray, const ImageView<const float>& depth_m,
+                 const Pose* T_world_camera) {
+    Frame frame;
+    orb_->detectAndCompute(srslam::as_mat(gray), cv::noArray(), frame.keypoints, frame.descriptors);
+    for (const cv::KeyPoint& keypoint : frame.keypoints) {
+      frame.depth_m.push_back(srslam::depth_at(depth_m, keypoint.pt.x, keypoint.pt.y));
+    }
+    frame.has_pose = T_world_camera != nullptr;
+    if (frame.has_pose) frame.T_world_camera = *T_world_camera;
+    frames_.push_back(std::move(frame));
+    if (frames_.size() > kProbeStep + 1) frames_.erase(frames_.begin());
+    if (frames_.size() < kProbeStep + 1 || !frames_.front().has_pose || !frames_.back().has_pose) {
+      return std::nan("");
+    }
+    return error_between(frames_.front(), frames_.back());
+  }
+
+ private:
+  struct Frame {
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    std::vector<float> depth_m;
+    bool has_pose = false;
+    Pose T_world_camera = Pose::Identity();
+  };
+
+  double error_between(const Frame& from, const Frame& to) const {
+    if (from.descriptors.empty() || to.descriptors.empty()) return kFailed_m;
+    const cv::BFMatcher matcher(cv::NORM_HAMMING, true);
+    std::vector<cv::DMatch> matches;
+    matcher.match(from.descriptors, to.descriptors, matches);
+    std::vector<cv::Point3d> points;
+    std::vector<cv::Point2d> pixels;
+    for (const cv::DMatch& match : matches) {
+      const auto query = static_cast<std::size_t>(match.queryIdx);
+      if (match.distance > 64.0F || !(from.depth_m[query] > 0.1F) || from.depth_m[query] > 8.0F) {
+        continue;
+      }
+      const cv::Point2f& pixel = from.keypoints[query].pt;
+      Eigen::Vector3d point;
+      if (!camera_.unproject({double(pixel.x), double(pixel.y)}, double(from.depth_m[query]),
+                             &point)) {
+        continue;
+      }
+      points.emplace_back(point.x(), point.y(), point.z());
+      pixels.emplace_back(to.keypoints[static_cast<std::size_t>(match.trainIdx)].pt);
+    }
+    cv::Mat rotation_vector;
+    cv::Mat translation;
+    std::vector<int> inliers;
+    if (points.size() < 10 ||
+        !cv::solvePnPRansac(points, pixels, camera_matrix_, distortion_, rotation_vector,
+                            translation, false, 300, 3.0F, 0.999, inliers, cv::SOLVEPNP_EPNP) ||
+        inliers.size() < 10) {
+      return kFailed_m;
+    }
+    cv::Mat rotation;
+    cv::Rodrigues(rotation_vector, rotation);
+    Pose T_to_from = Pose::Identity();
+    for (int row = 0; row < 3; ++row) {
+      for (int col = 0; col < 3; ++col) T_to_from(row, col) = rotation.at<double>(row, col);
+      T_to_from(row, 3) = translation.at<double>(row);
+    }
+    const Pose truth = to.T_world_camera.inverse() * from.T_world_camera;
+    const double error = (T_to_from * truth.inverse()).translation().norm();
+    return std::isfinite(error) ? std::min(error, kFailed_m) : kFailed_m;
+  }
+
+  PinholeCamera camera_;
+  cv::Mat camera_matrix_;
+  cv::Mat distortion_;
+  cv::Ptr<cv::ORB> orb_ = cv::ORB::create(1000, 1.2F, 8, 31, 0, 2, cv::ORB::FAST_SCORE);
+  std::vector<Frame> frames_;
+};
+
+/// One assessor with its tracker, for one greatest age of the reference.
+struct Stream {
+  Stream(const PinholeCamera& camera, const LucasKanadeOptions& flow, int max_age)
+      : tracker(flow), assessor(camera, options_for(max_age)) {}
+
+  static SceneAssessorOptions options_for(int max_age) {
+    SceneAssessorOptions options;
+    options.reference.max_age_frames = max_age;
+    options.reference.min_age_frames = std::min(options.reference.min_age_frames, max_age);
+    return options;
+  }
+
+  LucasKanadeTracker tracker;
+  SceneAssessor assessor;
+  DominantMotionWorkspace workspace;
+};
+
+/// Largest support of a motion that was not chosen.
+double rival_support(const srslam::DominantMotionResult& motion) {
+  double largest = 0.0;
+  for (int i = 0; i < motion.num_motions; ++i) {
+    if (i == motion.chosen) continue;
+    largest = std::max(largest, motion.candidates[static_cast<std::size_t>(i)].support);
+  }
+  return largest;
+}
+
+void write_residual(const MotionResidualResult& residual, std::ostream& out) {
+  out << ',' << residual.value_px << ',' << residual.mean_magnitude_px << ','
+      << residual.mean_cell_px << ',' << residual.inlier_share << ',' << residual.motion.certainty
+      << ',' << rival_support(residual.motion);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"How well the terms of the reliability predict that feature-based tracking fails"};
+  srslam::cli::RunSettings settings;
+  std::string output;
+  LucasKanadeOptions flow;
+  std::size_t max_frames = 0;
+  std::vector<int> max_ages = {30, 6};
+  app.add_option("--dataset", settings.dataset_folder)->required();
+  app.add_option("--camera", settings.camera);
+  app.add_option("--groundtruth", settings.groundtruth);
+  app.add_option("--groundtruth-frame", settings.groundtruth_frame);
+  app.add_option("--max-frames", max_frames);
+  app.add_option("--output", output)->required();
+  app.add_option("--max-ages", max_ages, "greatest ages of the reference, frames")->delimiter(',');
+  app.add_option("--window", flow.window_px);
+  app.add_option("--levels", flow.num_levels);
+  app.add_option("--iterations", flow.max_iterations);
+  app.add_option("--backward-levels", flow.backward_levels);
+  CLI11_PARSE(app, argc, argv);
+  if (max_frames > 0) settings.max_frames = max_frames;
+
+  srslam::cli::RunInputs inputs;
+  const std::string reason = srslam::cli::load_run_inputs(settings, &inputs);
+  if (!reason.empty()) {
+    std::cerr << "reliability_probe: " << reason << '\n';
+    return 1;
+  }
+  const PinholeCamera& camera = inputs.camera.camera;
+  srslam::Trajectory stamps(inputs.num_frames);
+  for (std::size_t i = 0; i < inputs.num_frames; ++i) {
+    stamps[i].timestamp_s = inputs.dataset.entry(i).timestamp_s;
+  }
+  const srslam::AssociationResult association = srslam::associate(inputs.groundtruth, stamps);
+  std::vector<const Pose*> truth(inputs.num_frames, nullptr);
+  for (const srslam::TrajectoryMatch& match : association.matches) {
+    truth[match.estimate_index] = &inputs.groundtruth[match.reference_index].T_world_camera;
+  }
+
+  srslam::detail::OrbExtractor extractor{srslam::FeatureOptions{}};
+  srslam::detail::OrbFeatures features;
+  PlainTracker plain(camera);
+  std::vector<Stream> streams;
+  streams.reserve(max_ages.size());
+  for (const int max_age : max_ages) streams.emplace_back(camera, flow, max_age);
+
+  std::ofstream out(output);
+  out << "frame,error_m,num_detections,confidence,spatial,feature,depth,current";
+  for (const int age : max_ages) {
+    const std::string suffix = std::to_string(age);
+    out << ",age_" << suffix << ",alive_" << suffix << ",R_" << suffix;
+    for (const char* variant : {"none", "affine", "rigid"}) {
+      for (const char* column : {"residual", "magnitude", "cells", "inliers", "certainty", "rival"}) {
+        out << ',' << column << '_' << variant << '_' << suffix;
+      }
+    }
+  }
+  out << '\n';
+
+  srslam::LoadedFrame frame;
+  const std::vector<srslam::Detection> nothing;
+  std::vector<FlowPoint> points;
+  for (std::size_t i = 0; i < inputs.num_frames; ++i) {
+    const srslam::FileStatus loaded = inputs.dataset.load(i, inputs.camera, &frame);
+    if (!loaded.ok() || !frame.has_depth) continue;
+    const ImageView<const std::uint8_t> gray = frame.gray.view();
+    const ImageView<const float> depth_m = frame.depth_m.view();
+    extractor.extract(gray, {}, &features);
+    const std::size_t found = srslam::find_detections(inputs.detections, frame.timestamp_s,
+                                                      srslam::cli::kDetectionTolerance_s);
+    const bool has_detections = found < inputs.detections.size();
+    const std::vector<srslam::Detection>& detections =
+        has_detections ? inputs.detections[found].detections : nothing;
+    points.clear();
+    for (const srslam::Feature& feature : features.features) {
+      FlowPoint point;
+      point.u_px = feature.u_px;
+      point.v_px = feature.v_px;
+      srslam::describe_flow_point(depth_m, detections, &point);
+      points.push_back(point);
+    }
+
+    out << i << ',' << plain.error_m(gray, depth_m, truth[i]) << ',' << detections.size();
+    for (std::size_t s = 0; s < streams.size(); ++s) {
+      Stream& stream = streams[s];
+      stream.tracker.push(i + 1, gray, points);
+      SceneObservation observation;
+      observation.frame_id = i + 1;
+      observation.detections = detections;
+      observation.has_detections = has_detections;
+      observation.features = features.features;
+      observation.depth_m = depth_m;
+      if (stream.tracker.following()) {
+        for (FlowTrack& track : stream.tracker.tracks()) {
+          if (track.alive) srslam::describe_flow_point(depth_m, detections, &track.current);
+        }
+        observation.tracks = stream.tracker.tracks();
+      }
+      const SceneReport report = stream.assessor.assess(observation);
+      if (s == 0) {
+        out << ',' << report.confidence.metric.normalized() << ','
+            << report.spatial.metric.normalized() << ',' << report.feature.metric.normalized()
+            << ',' << report.depth.metric.normalized() << ',' << report.current.value;
+      }
+      out << ',' << report.reference_age_frames << ',' << report.alive_share << ','
+          << report.reliability;
+      if (!report.initial) {
+        srslam::MotionResidualOptions options;
+        for (const MotionCompensation variant :
+             {MotionCompensation::kNone, MotionCompensation::kAffine}) {
+          options.compensation = variant;
+          write_residual(srslam::motion_residual(observation.tracks, camera, nullptr, options,
+                                                 &stream.workspace),
+                         out);
+        }
+        write_residual(report.residual, out);
+      } else {
+        for (int k = 0; k < 18; ++k) out << ",nan";
+      }
+      if (report.reference_changed) stream.tracker.follow(report.next_reference_id);
+    }
+    out << '\n';
+  }
+  out.flush();
+  if (!out) {
+    std::cerr << "reliability_probe: cannot write " << output << '\n';
+    return 1;
+  }
+  return 0;
+}

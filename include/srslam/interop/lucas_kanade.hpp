@@ -1,0 +1,167 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <vector>
+
+#include "srslam/core/array_view.hpp"
+#include "srslam/core/image_view.hpp"
+#include "srslam/core/status.hpp"
+#include "srslam/interop/opencv_views.hpp"
+#include "srslam/scene/flow_track.hpp"
+#include "srslam/scene/lucas_kanade_options.hpp"
+
+namespace srslam {
+
+/// Follows the points of a reference frame from frame to frame, each keeping its identity. The
+/// pyramid of a frame is built once, and used as the end of one step and the start of the next.
+/// Frames are pushed in order; any of the last `history` ones can be made the reference:
+///
+///     tracker.push(id, gray, points);       // follows the reference's points into this frame
+///     use(tracker.tracks());
+///     tracker.follow(reference_id);         // when another frame is to be the reference
+///
+/// A point that was lost stays lost until the reference changes. OpenCV uses its own threads and
+/// allocates inside; this class allocates only while its buffers grow. Not thread-safe.
+class LucasKanadeTracker {
+ public:
+  explicit LucasKanadeTracker(const LucasKanadeOptions& options = {})
+      : options_(options), status_(options.validate()) {
+    if (status_.ok()) slots_.resize(static_cast<std::size_t>(options.history) + 1);
+  }
+
+  Status status() const noexcept { return status_; }
+  const LucasKanadeOptions& options() const noexcept { return options_; }
+
+  /// Takes the next frame and follows the reference's points into it. `points` are those that would
+  /// be followed if this frame became the reference; copied. Ids increase. kInvalidArgument, with
+  /// nothing changed, for an image that cannot be read, one of another size than before, or an id
+  /// that does not increase.
+  Status push(std::uint64_t frame_id, const ImageView<const std::uint8_t>& gray,
+              ArrayView<const FlowPoint> points) {
+    if (!status_.ok()) return status_;
+    Status valid = gray.validate();
+    if (!valid.ok()) return valid;
+    if (num_pushed_ > 0) {
+      const Slot& last = newest();
+      if (frame_id <= last.frame_id) {
+        return Status::failure(StatusCode::kInvalidArgument, "frame ids must increase");
+      }
+      if (gray.width_px != width_px_ || gray.height_px != height_px_) {
+        return Status::failure(StatusCode::kInvalidArgument, "the image's size has changed");
+      }
+    }
+    width_px_ = gray.width_px;
+    height_px_ = gray.height_px;
+    ++num_pushed_;
+    Slot& slot = newest();
+    slot.frame_id = frame_id;
+    slot.points.assign(points.begin(), points.end());
+    const cv::Size window(options_.window_px, options_.window_px);
+    max_level_ =
+        cv::buildOpticalFlowPyramid(as_mat(gray), slot.pyramid, window, options_.num_levels - 1,
+                                    true, cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);
+    if (following_) advance(previous());
+    return Status::success();
+  }
+
+  /// Makes a frame the reference, and follows its points into the newest one at once. kNotFound,
+  /// with nothing changed, when it is not among the last `history` frames.
+  Status follow(std::uint64_t frame_id) {
+    for (std::size_t age = 0; age + 1 < slots_.size() && age < num_pushed_; ++age) {
+      const Slot& slot = slot_of(num_pushed_ - age);
+      if (slot.frame_id != frame_id) continue;
+      reference_id_ = frame_id;
+      following_ = true;
+      tracks_.clear();
+      for (const FlowPoint& point : slot.points) {
+        tracks_.push_back({point, point, is_inside(point.u_px, point.v_px)});
+      }
+      if (age > 0) advance(slot);
+      return Status::success();
+    }
+    return Status::failure(StatusCode::kNotFound, "the frame is not among the last ones");
+  }
+
+  bool following() const noexcept { return following_; }
+  /// Frame whose points are followed; meaningless until follow() has succeeded.
+  std::uint64_t reference_id() const noexcept { return reference_id_; }
+
+  /// One for each point of the reference frame, in order; depth and suspicion of `current` are left
+  /// to the caller (describe_flow_point()). Valid until the next push() or follow().
+  ArrayView<FlowTrack> tracks() noexcept { return tracks_; }
+
+ private:
+  struct Slot {
+    std::uint64_t frame_id = 0;
+    std::vector<cv::Mat> pyramid;  ///< with derivatives
+    std::vector<FlowPoint> points;
+  };
+
+  Slot& slot_of(std::size_t number) { return slots_[number % slots_.size()]; }
+  Slot& newest() { return slot_of(num_pushed_); }
+  Slot& previous() { return slot_of(num_pushed_ - 1); }
+
+  bool is_inside(float u_px, float v_px) const noexcept {
+    const double border = options_.border_px;
+    return double(u_px) >= border && double(v_px) >= border &&
+           double(u_px) <= double(width_px_ - 1) - border &&
+           double(v_px) <= double(height_px_ - 1) - border;
+  }
+
+  /// Follows the tracks that are alive, whose `current` is in `from`, into the newest frame.
+  void advance(const Slot& from) {
+    start_.clear();
+    alive_.clear();
+    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+      if (!tracks_[i].alive) continue;
+      alive_.push_back(i);
+      start_.emplace_back(tracks_[i].current.u_px, tracks_[i].current.v_px);
+    }
+    if (alive_.empty()) return;
+    const Slot& to = newest();
+    const cv::Size window(options_.window_px, options_.window_px);
+    const cv::TermCriteria criteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS,
+                                    options_.max_iterations, options_.epsilon_px);
+    end_.clear();
+    cv::calcOpticalFlowPyrLK(from.pyramid, to.pyramid, start_, end_, found_, errors_, window,
+                             max_level_, criteria, 0, options_.min_eigenvalue);
+    const bool check_back = options_.max_forward_backward_px > 0.0;
+    if (check_back) {
+      back_ = start_;
+      cv::calcOpticalFlowPyrLK(to.pyramid, from.pyramid, end_, back_, found_back_, errors_, window,
+                               std::min(max_level_, options_.backward_levels - 1), criteria,
+                               cv::OPTFLOW_USE_INITIAL_FLOW, options_.min_eigenvalue);
+    }
+    for (std::size_t k = 0; k < alive_.size(); ++k) {
+      FlowTrack& track = tracks_[alive_[k]];
+      track.current.u_px = end_[k].x;
+      track.current.v_px = end_[k].y;
+      track.alive = found_[k] != 0 && is_inside(end_[k].x, end_[k].y);
+      if (!track.alive || !check_back) continue;
+      const double off_px = std::hypot(double(back_[k].x) - double(start_[k].x),
+                                       double(back_[k].y) - double(start_[k].y));
+      track.alive = found_back_[k] != 0 && off_px <= options_.max_forward_backward_px;
+    }
+  }
+
+  LucasKanadeOptions options_;
+  Status status_;
+  std::vector<Slot> slots_;  ///< ring; one more than `history`, for the frame being pushed
+  std::size_t num_pushed_ = 0;
+  int width_px_ = 0;
+  int height_px_ = 0;
+  int max_level_ = 0;
+  bool following_ = false;
+  std::uint64_t reference_id_ = 0;
+  std::vector<FlowTrack> tracks_;
+  std::vector<std::size_t> alive_;
+  std::vector<cv::Point2f> start_, end_, back_;
+  std::vector<std::uint8_t> found_, found_back_;
+  std::vector<float> errors_;
+};
+
+}  // namespace srslam

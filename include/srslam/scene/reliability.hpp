@@ -1,0 +1,378 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "srslam/core/array_view.hpp"
+#include "srslam/core/camera.hpp"
+#include "srslam/core/detection.hpp"
+#include "srslam/core/feature.hpp"
+#include "srslam/core/image_view.hpp"
+#include "srslam/core/pose.hpp"
+#include "srslam/core/status.hpp"
+#include "srslam/scene/classification.hpp"
+#include "srslam/scene/flow_track.hpp"
+#include "srslam/scene/motion_residual.hpp"
+#include "srslam/scene/reference_policy.hpp"
+#include "srslam/scene/scene_metrics.hpp"
+
+namespace srslam {
+
+struct SceneAssessorOptions {
+  DetectionConfidenceOptions confidence;
+  SpatialDistributionOptions spatial;
+  FeatureQualityOptions feature;
+  DepthQualityOptions depth;
+  CurrentReliabilityOptions current;
+  MotionResidualOptions residual;
+  ReferenceOptions reference;
+  ResidualFactorForm factor = ResidualFactorForm::kExponential;
+  double residual_scale_px = 10.0;  ///< R_cb, at the reference width; > 0
+  double threshold = 0.20;          ///< th_scene; finite, >= 0
+  /// Powers with which the share of tracks that move with the camera, and the share that is still
+  /// followed, multiply Eq. 7; >= 0, 0 as printed.
+  double inlier_share_power = 1.0;
+  double alive_share_power = 0.5;
+
+  Status validate() const noexcept {
+    for (const Status& status :
+         {confidence.validate(), spatial.validate(), feature.validate(), depth.validate(),
+          current.validate(), residual.validate(), reference.validate()}) {
+      if (!status.ok()) return status;
+    }
+    const auto power = [](double x) { return x >= 0.0 && std::isfinite(x); };
+    if (!(residual_scale_px > 0.0) || !std::isfinite(residual_scale_px)) {
+      return Status::failure(StatusCode::kInvalidArgument,
+                             "residual_scale_px must be positive and finite");
+    }
+    if (!(threshold >= 0.0) || !std::isfinite(threshold)) {
+      return Status::failure(StatusCode::kInvalidArgument,
+                             "threshold must be finite and not negative");
+    }
+    if (!power(inlier_share_power) || !power(alive_share_power)) {
+      return Status::failure(StatusCode::kInvalidArgument,
+                             "powers must be finite and not negative");
+    }
+    return Status::success();
+  }
+
+  /// Everything as printed: plain sum, raw image motion, factor x, scale 60 px.
+  static SceneAssessorOptions literal() noexcept {
+    SceneAssessorOptions options;
+    options.confidence.no_detections = NoDetections::kZero;
+    options.spatial.no_detections = NoDetections::kZero;
+    options.feature.form = FeatureQualityForm::kLiteral;
+    options.depth.form = DepthQualityForm::kLiteral;
+    options.current.form = CurrentReliabilityForm::kLiteral;
+    options.residual.compensation = MotionCompensation::kNone;
+    options.residual.cell_mean = CellMean::kAllCells;
+    options.factor = ResidualFactorForm::kLiteral;
+    options.residual_scale_px = 60.0;
+    options.inlier_share_power = 0.0;
+    options.alive_share_power = 0.0;
+    return options;
+  }
+};
+
+/// One frame as the assessor takes it. Views are read during assess() only.
+struct SceneObservation {
+  std::uint64_t frame_id = 0;  ///< increasing
+  /// Boxes, read only when has_detections: a frame that no detector looked at says nothing of its
+  /// objects, one in which it found nothing is a frame without objects.
+  ArrayView<const Detection> detections;
+  bool has_detections = false;
+  ArrayView<const double> mask_areas_px;  ///< see spatial_distribution()
+  ArrayView<const Feature> features;
+  ImageView<const float> depth_m;  ///< empty: the metric is absent
+  /// Points of the frame SceneReport::next_reference_id named last, followed into this one; empty
+  /// without a reference.
+  ArrayView<const FlowTrack> tracks;
+  /// Pose relative to the reference from elsewhere, which then is not estimated; may be null.
+  const Pose* T_current_reference = nullptr;
+};
+
+struct SceneReport {
+  Status status;  ///< not ok: the frame was refused and nothing was changed
+  double reliability = std::numeric_limits<double>::quiet_NaN();  ///< R (Eq. 7)
+  SceneClass scene_class = SceneClass::kBad;                      ///< Eq. 8
+  bool initial = false;  ///< judged without motion: one of the first frames, or no reference
+  DetectionConfidenceResult confidence;  ///< Eq. 2
+  SpatialDistributionResult spatial;     ///< Eq. 3
+  FeatureQualityResult feature;          ///< Eq. 4
+  DepthQualityResult depth;              ///< Eq. 5
+  CurrentReliabilityResult current;      ///< R_c (Eq. 1)
+  MotionResidualResult residual;         ///< Eq. 6
+  /// R_r as it enters Eq. 7 [px]: at least residual_scale_px when too few points are left.
+  double residual_px = 0.0;
+  double factor = 1.0;        ///< of Eq. 7
+  double inlier_share = 1.0;  ///< as it enters the reliability; 1 where it cannot be had
+  double alive_share = 1.0;
+  bool high_motion = false;        ///< residual_px above residual_scale_px
+  std::uint64_t reference_id = 0;  ///< of this frame's tracks
+  int reference_age_frames = 0;
+  bool reference_changed = false;  ///< from the next frame on
+  std::uint64_t next_reference_id = 0;
+  const char* reference_reason = "";  ///< why it changed
+  const char* weakest = "";           ///< term with the lowest value
+
+  /// Everything in one line.
+  std::string line() const {
+    char text[512];
+    int used = std::snprintf(text, sizeof(text), "%s R %.3f = R_c %.3f", to_string(scene_class),
+                             reliability, current.value);
+    const auto add = [&](const char* format, auto... values) {
+      if (used < 0 || used >= static_cast<int>(sizeof(text))) return;
+      const int more = std::snprintf(text + used, sizeof(text) - static_cast<std::size_t>(used),
+                                     format, values...);
+      used = more < 0 ? more : used + more;
+    };
+    if (initial) {
+      add(" (initial)");
+    } else {
+      add(" x factor %.3f (residual %.2f px, %s) x inliers %.2f x alive %.2f; reference %d frames "
+          "old",
+          factor, residual_px, to_string(residual.compensation), inlier_share, alive_share,
+          reference_age_frames);
+    }
+    const auto metric = [&](const char* name, const SceneMetric& value) {
+      if (value.present) {
+        add(" %s %.2f", name, value.normalized());
+      } else {
+        add(" %s -", name);
+      }
+    };
+    add(";");
+    metric("confidence", confidence.metric);
+    metric("spatial", spatial.metric);
+    metric("feature", feature.metric);
+    metric("depth", depth.metric);
+    add("; weakest: %s", weakest);
+    return text;
+  }
+};
+
+/// Judges every frame for feature-based SLAM (Eq. 1-8). Streaming, O(1) memory; one instance a
+/// stream. The caller follows points from the reference frame and hands the tracks in:
+///
+///     report = assessor.assess(observation);            // tracks of assessor's reference
+///     if (report.reference_changed) tracker.follow(report.next_reference_id);
+///
+/// Allocates only while buffers grow.
+class SceneAssessor {
+ public:
+  /// What an assessor has to remember: plain data, to be saved and restored.
+  struct State {
+    ReferencePolicy policy;
+    std::uint64_t last_frame_id = 0;
+    bool has_last = false;
+    /// Camera's path as far as the tracks tell, for the prediction of the next motion.
+    bool has_velocity = false;
+    Pose T_odometry_last = Pose::Identity();
+    Pose T_last_before = Pose::Identity();  ///< motion of the last frame, for constant velocity
+    std::array<std::uint64_t, 31> recent_ids{};
+    std::array<Pose, 31> T_odometry_recent = identities();
+    std::uint64_t num_remembered = 0;
+    Pose T_odometry_reference = Pose::Identity();
+
+   private:
+    static std::array<Pose, 31> identities() noexcept {
+      std::array<Pose, 31> poses;
+      for (Pose& pose : poses) pose.setIdentity();
+      return poses;
+    }
+  };
+
+  explicit SceneAssessor(const PinholeCamera& camera, const SceneAssessorOptions& options = {})
+      : camera_(camera), options_(options), status_(options.validate()) {
+    if (status_.ok()) status_ = camera.validate();
+    state_.policy = ReferencePolicy(options.reference);
+  }
+
+  Status status() const noexcept { return status_; }
+  const SceneAssessorOptions& options() const noexcept { return options_; }
+  bool has_reference() const noexcept { return state_.policy.has_reference(); }
+  /// Frame whose points are to be followed into the next one.
+  std::uint64_t reference_id() const noexcept { return state_.policy.reference_id(); }
+
+  const State& state() const noexcept { return state_; }
+  /// Goes on where an assessor of the same camera and options was.
+  void restore(const State& state) noexcept { state_ = state; }
+
+  /// kInvalidArgument for options or a camera out of range, an id that does not increase, or
+  /// another input that a metric refuses; then nothing has changed.
+  SceneReport assess(const SceneObservation& frame) {
+    SceneReport report;
+    report.status = status_;
+    if (status_.ok() && state_.has_last && frame.frame_id <= state_.last_frame_id) {
+      report.status = Status::failure(StatusCode::kInvalidArgument, "frame ids must increase");
+    }
+    if (!report.status.ok()) return report;
+    measure(frame, &report);
+    if (!report.status.ok()) return report;
+    report.initial = state_.policy.initializing() || !state_.policy.has_reference();
+    report.reference_id = state_.policy.reference_id();
+    report.reference_age_frames =
+        state_.policy.has_reference() ? state_.policy.age_frames() + 1 : 0;
+    const Pose T_odometry_predicted = state_.T_odometry_last * predicted_motion();
+    if (report.initial) {
+      report.reliability = current_or_zero(report);
+      remember(frame.frame_id, T_odometry_predicted, false);
+    } else {
+      judge_motion(frame, T_odometry_predicted, &report);
+    }
+    report.scene_class = classify_scene(report.reliability, options_.threshold);
+    name_weakest(&report);
+
+    ReferenceCandidate candidate;
+    candidate.frame_id = frame.frame_id;
+    candidate.current_reliability = report.current.value;
+    candidate.good = report.scene_class == SceneClass::kGood;
+    if (!report.initial) {
+      candidate.alive_share = report.residual.alive_share;
+      candidate.num_alive = report.residual.num_alive;
+    }
+    report.reference_changed = state_.policy.update(candidate, &report.reference_reason);
+    report.next_reference_id = state_.policy.reference_id();
+    if (report.reference_changed) {
+      for (std::size_t i = 0; i < state_.recent_ids.size(); ++i) {
+        if (state_.recent_ids[i] == report.next_reference_id) {
+          state_.T_odometry_reference = state_.T_odometry_recent[i];
+        }
+      }
+    }
+    return report;
+  }
+
+ private:
+  /// Eq. 1 to 5.
+  void measure(const SceneObservation& frame, SceneReport* report) const noexcept {
+    if (frame.has_detections) {
+      report->confidence = detection_confidence(frame.detections, options_.confidence);
+      report->spatial = spatial_distribution(frame.detections, camera_.width_px, camera_.height_px,
+                                             options_.spatial, frame.mask_areas_px);
+    } else {
+      report->confidence.metric = detail::failed_metric(Status::success(), 1.0);
+      report->spatial.metric = detail::failed_metric(Status::success(), 2.0);
+    }
+    report->feature =
+        feature_quality(frame.features, camera_.width_px, camera_.height_px, options_.feature);
+    if (frame.depth_m.empty()) {
+      report->depth.metric = detail::failed_metric(Status::success(), 3.0);
+    } else {
+      report->depth = depth_quality(frame.depth_m, options_.depth);
+    }
+    for (const SceneMetric* metric : {&report->confidence.metric, &report->spatial.metric,
+                                      &report->feature.metric, &report->depth.metric}) {
+      if (report->status.ok()) report->status = metric->status;
+    }
+    if (!report->status.ok()) return;
+    report->current = current_reliability({report->confidence.metric, report->spatial.metric,
+                                           report->feature.metric, report->depth.metric},
+                                          options_.current);
+  }
+
+  /// Without any metric nothing speaks for a frame.
+  static double current_or_zero(const SceneReport& report) noexcept {
+    return report.current.status.ok() ? report.current.value : 0.0;
+  }
+
+  Pose predicted_motion() const noexcept {
+    return state_.has_velocity ? state_.T_last_before : Pose::Identity();
+  }
+
+  /// Eq. 6 and 7.
+  void judge_motion(const SceneObservation& frame, const Pose& T_odometry_predicted,
+                    SceneReport* report) {
+    const Pose predicted = T_odometry_predicted.inverse() * state_.T_odometry_reference;
+    if (frame.T_current_reference != nullptr) {
+      report->residual = motion_residual_given_pose(
+          frame.tracks, camera_, *frame.T_current_reference, options_.residual, &workspace_);
+    } else {
+      report->residual =
+          motion_residual(frame.tracks, camera_, state_.has_velocity ? &predicted : nullptr,
+                          options_.residual, &workspace_);
+    }
+    const MotionResidualResult& residual = report->residual;
+    const bool measured = residual.status.ok();
+    report->residual_px = measured ? residual.value_px : options_.residual_scale_px;
+    // Points that were lost say nothing, and they are lost where motion is largest.
+    if (residual.alive_share < options_.reference.min_alive_share ||
+        residual.num_alive < options_.reference.min_alive_tracks) {
+      report->residual_px = std::max(report->residual_px, options_.residual_scale_px);
+    }
+    report->high_motion = report->residual_px > options_.residual_scale_px;
+    report->factor =
+        residual_factor(report->residual_px, options_.residual_scale_px, options_.factor);
+    report->alive_share = residual.alive_share;
+    if (residual.compensation != MotionCompensation::kNone) {
+      report->inlier_share = measured ? residual.inlier_share : 0.0;
+    }
+    report->reliability = current_or_zero(*report) * report->factor *
+                          share_term(report->inlier_share, options_.inlier_share_power) *
+                          share_term(report->alive_share, options_.alive_share_power);
+    const bool has_pose = measured && residual.compensation == MotionCompensation::kRigid;
+    remember(frame.frame_id,
+             has_pose ? state_.T_odometry_reference * residual.motion.T_current_reference.inverse()
+                      : T_odometry_predicted,
+             has_pose);
+  }
+
+  static double share_term(double share, double power) noexcept {
+    return power == 0.0 ? 1.0 : std::pow(share, power);
+  }
+
+  static Pose orthonormalized(const Pose& pose) noexcept {
+    Pose result = pose;
+    result.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
+    return result;
+  }
+
+  void remember(std::uint64_t frame_id, const Pose& T_odometry_frame, bool has_pose) noexcept {
+    // Poses are chained over a whole stream: keep the rotation one.
+    const Pose T_odometry_here = orthonormalized(T_odometry_frame);
+    state_.T_last_before = state_.T_odometry_last.inverse() * T_odometry_here;
+    state_.has_velocity = has_pose && state_.has_last;
+    state_.T_odometry_last = T_odometry_here;
+    state_.last_frame_id = frame_id;
+    state_.has_last = true;
+    const auto slot = static_cast<std::size_t>(state_.num_remembered++ % state_.recent_ids.size());
+    state_.recent_ids[slot] = frame_id;
+    state_.T_odometry_recent[slot] = T_odometry_here;
+  }
+
+  void name_weakest(SceneReport* report) const noexcept {
+    double lowest = std::numeric_limits<double>::infinity();
+    const auto consider = [&](const char* name, double value) {
+      if (!(value < lowest)) return;
+      lowest = value;
+      report->weakest = name;
+    };
+    const CurrentReliabilityOptions& weights = options_.current;
+    if (weights.confidence_weight > 0.0) {
+      consider("confidence", report->confidence.metric.normalized());
+    }
+    if (weights.spatial_weight > 0.0) consider("spatial", report->spatial.metric.normalized());
+    if (weights.feature_weight > 0.0) consider("feature", report->feature.metric.normalized());
+    if (weights.depth_weight > 0.0) consider("depth", report->depth.metric.normalized());
+    if (report->initial) return;
+    consider("motion residual", report->factor);
+    if (options_.inlier_share_power > 0.0) consider("share of inliers", report->inlier_share);
+    if (options_.alive_share_power > 0.0) consider("share of tracks alive", report->alive_share);
+  }
+
+  PinholeCamera camera_;
+  SceneAssessorOptions options_;
+  Status status_;
+  State state_;
+  DominantMotionWorkspace workspace_;
+};
+
+}  // namespace srslam

@@ -1,0 +1,40 @@
+#include "pipeline/scene_module.hpp"
+
+namespace srslam::detail {
+
+SceneReport SceneModule::assess(const PipelineFrame& frame, ArrayView<const Feature> features) {
+  const ArrayView<const Detection> detections =
+      frame.has_detections ? frame.detections : ArrayView<const Detection>();
+  points_.clear();
+  for (const Feature& feature : features) {
+    FlowPoint point;
+    point.u_px = feature.u_px;
+    point.v_px = feature.v_px;
+    describe_flow_point(frame.depth_m, detections, &point);
+    points_.push_back(point);
+  }
+  SceneReport report;
+  report.status = tracker_.push(++frame_id_, frame.gray, points_);
+  if (!report.status.ok()) return report;
+
+  SceneObservation observation;
+  observation.frame_id = frame_id_;
+  observation.detections = frame.detections;
+  observation.has_detections = frame.has_detections;
+  observation.features = features;
+  observation.depth_m = frame.depth_m;
+  if (tracker_.following()) {
+    for (FlowTrack& track : tracker_.tracks()) {
+      if (track.alive) describe_flow_point(frame.depth_m, detections, &track.current);
+    }
+    observation.tracks = tracker_.tracks();
+  }
+  report = assessor_.assess(observation);
+  if (report.reference_changed) {
+    const Status followed = tracker_.follow(report.next_reference_id);
+    if (report.status.ok()) report.status = followed;
+  }
+  return report;
+}
+
+}  // namespace srslam::detail
