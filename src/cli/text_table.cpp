@@ -31,7 +31,7 @@ std::string markdown_table(const TextTable& table) {
     rule += "|---";
   }
   text += "|\n" + rule + "|\n";
-  for (const std::vector<TextTable::Field>& row : table.rows) {
+  for (const TextTable::Row& row : table.rows) {
     for (const TextTable::Field& field : row) {
       const std::string shown = markdown_text(field.text);
       text += field.emphasized ? "| **" + shown + "** " : "| " + shown + " ";

@@ -16,10 +16,11 @@ struct TextTable {
     bool emphasized = false;
     std::string link;  ///< relative, for pages
   };
+  using Row = std::vector<Field>;
 
   std::string title;
   std::vector<std::string> header;
-  std::vector<std::vector<Field>> rows;
+  std::vector<Row> rows;
 };
 
 /// Text that Markdown shows as it is, on one line.

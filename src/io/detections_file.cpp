@@ -22,7 +22,7 @@ constexpr std::string_view kNone = "none";
 constexpr const char* kColumnsLine =
     "# timestamp_s class score x_min_px y_min_px x_max_px y_max_px   (a frame looked at and empty: "
     "`timestamp_s none`)";
-constexpr std::size_t kNumColumns = 7;
+constexpr std::size_t kNumDetectionColumns = 7;
 /// Far outside any image, and small enough to convert to an integer pixel without overflow.
 constexpr double kMaxEdge_px = 1e6;
 
@@ -54,7 +54,7 @@ const char* detection_problem(const Detection& detection) {
 
 /// Parses the columns behind the time stamp of a box. Returns the reason for a refusal or an empty
 /// string.
-std::string parse_detection(const std::array<std::string_view, kNumColumns>& tokens,
+std::string parse_detection(const std::array<std::string_view, kNumDetectionColumns>& tokens,
                             Detection* detection) {
   detection->class_name = std::string(tokens[1]);
   const std::array<std::pair<const char*, double*>, 5> columns = {{
@@ -79,14 +79,14 @@ std::string parse_detection(const std::array<std::string_view, kNumColumns>& tok
 /// empty string.
 std::string parse_line(std::string_view line, std::size_t line_number,
                        std::vector<ParsedFrame>* frames) {
-  std::array<std::string_view, kNumColumns> tokens;
+  std::array<std::string_view, kNumDetectionColumns> tokens;
   const std::size_t num_tokens = io_detail::split(line, &tokens);
   const bool is_none = num_tokens >= 2 && tokens[1] == kNone;
   if (is_none && num_tokens != 2) {
     return "`none` stands for a frame without detections and ends the line; expected "
            "`timestamp_s none`";
   }
-  if (!is_none && num_tokens != kNumColumns) {
+  if (!is_none && num_tokens != kNumDetectionColumns) {
     return "expected 7 columns `timestamp_s class score x_min_px y_min_px x_max_px y_max_px` or "
            "`timestamp_s none`, got " +
            std::to_string(num_tokens);

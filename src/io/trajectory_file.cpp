@@ -16,9 +16,9 @@ namespace {
 using io_detail::NumberFormat;
 using io_detail::quote;
 
-constexpr std::size_t kNumColumns = 8;
-constexpr std::array<const char*, kNumColumns> kColumnNames = {"timestamp", "tx", "ty", "tz",
-                                                               "qx",        "qy", "qz", "qw"};
+constexpr std::size_t kNumPoseColumns = 8;
+constexpr std::array<const char*, kNumPoseColumns> kPoseColumnNames = {
+    "timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"};
 constexpr double kMaxPosition_m = 1e9;
 constexpr double kMaxNormDeviation = 0.1;
 /// Entries of RᵀR against the identity's.
@@ -27,21 +27,21 @@ constexpr int kPoseDecimals = 9;
 
 /// Returns the reason for a refusal or an empty string.
 std::string parse_pose(std::string_view line, StampedPose* pose) {
-  std::array<std::string_view, kNumColumns> tokens;
+  std::array<std::string_view, kNumPoseColumns> tokens;
   const std::size_t num_tokens = io_detail::split(line, &tokens);
-  if (num_tokens != kNumColumns) {
+  if (num_tokens != kNumPoseColumns) {
     return "expected 8 columns `timestamp tx ty tz qx qy qz qw`, got " + std::to_string(num_tokens);
   }
   std::string reason = io_detail::parse_timestamp(tokens[0], &pose->timestamp_s);
   if (!reason.empty()) return reason;
-  std::array<double, kNumColumns> values{};
-  for (std::size_t i = 1; i < kNumColumns; ++i) {
+  std::array<double, kNumPoseColumns> values{};
+  for (std::size_t i = 1; i < kNumPoseColumns; ++i) {
     if (!io_detail::parse_decimal(tokens[i], &values[i])) {
-      return std::string(kColumnNames[i]) + " is " + quote(tokens[i]) +
+      return std::string(kPoseColumnNames[i]) + " is " + quote(tokens[i]) +
              ", not a finite decimal number";
     }
     if (i < 4 && std::abs(values[i]) > kMaxPosition_m) {
-      return std::string(kColumnNames[i]) + " is " + quote(tokens[i]) +
+      return std::string(kPoseColumnNames[i]) + " is " + quote(tokens[i]) +
              ", beyond 1e9 m; expected metres";
     }
   }

@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "pipeline/constants.hpp"
+
 namespace srslam::detail {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr int kRotationBins = 30;
 constexpr int kRotationBinsKept = 3;
 

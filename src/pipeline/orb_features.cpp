@@ -7,6 +7,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "pipeline/constants.hpp"
 #include "srslam/interop/opencv_views.hpp"
 
 namespace srslam::detail {
@@ -20,7 +21,6 @@ constexpr int kBorder = 19;
 constexpr int kFastMargin = 3;
 // Cells in which the lower FAST threshold is tried when the upper one finds nothing.
 constexpr int kThresholdCell = 32;
-constexpr double kTwoPi = 6.283185307179586;
 
 /// Half width of the circular patch at each row offset from its centre.
 std::array<int, kPatchRadius + 1> make_patch_half_widths() {

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
+
+#include "synthetic/constants.hpp"
 
 namespace srslam::detail {
 namespace {
 
 constexpr int kTileSize_px = 16;
 constexpr double kNear_m = 0.05;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kAmbient = 0.50F;
 constexpr float kLampShare = 0.62F;
 // Beyond so many radii a sphere's shadow is below one grey level.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "synthetic/constants.hpp"
 
@@ -10,7 +9,6 @@ namespace srslam::detail {
 namespace {
 
 constexpr double kMiss = -1.0;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double intersect_box(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                      double t_min) {

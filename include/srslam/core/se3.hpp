@@ -131,8 +131,8 @@ inline Eigen::Matrix3d hat(const Eigen::Vector3d& v) {
 inline Eigen::Quaterniond unit_quaternion(const Eigen::Matrix3d& rotation) {
   // An infinity could leave no trace in the quotients below.
   if (!rotation.allFinite()) {
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    return {kNan, kNan, kNan, kNan};
+    constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+    return {undefined, undefined, undefined, undefined};
   }
   Eigen::Quaterniond q(rotation);
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();

@@ -10,8 +10,6 @@
 namespace srslam::cli {
 namespace {
 
-using Row = std::vector<TextTable::Field>;
-
 constexpr const char* kMark = " †";
 constexpr int kPercentDecimals = 2;
 
@@ -76,8 +74,8 @@ std::string mean_text(const CampaignMean& mean, int num_decimals) {
 void add_means(const CampaignPlan& plan, const CampaignTables& tables,
                const CampaignErrorTable& error, TextTable* table) {
   const std::size_t baseline = baseline_variant(plan);
-  Row errors = {std::string("Mean")};
-  Row improvements = {std::string("Mean of the improvements")};
+  TextTable::Row errors = {std::string("Mean")};
+  TextTable::Row improvements = {std::string("Mean of the improvements")};
   for (std::size_t v = 0; v < plan.variants.size(); ++v) {
     for (const char* key : {error.rmse, error.std}) {
       errors.emplace_back(mean_text(mean_figure(tables, v, key), error.num_decimals));
@@ -121,7 +119,7 @@ TextTable error_table(const CampaignPlan& plan, const CampaignTables& tables,
   for (std::size_t r = 0; r < tables.rows.size(); ++r) {
     const auto best_rmse = best_variants(tables, r, error.rmse, error.num_decimals);
     const auto best_std = best_variants(tables, r, error.std, error.num_decimals);
-    Row row = {tables.rows[r]};
+    TextTable::Row row = {tables.rows[r]};
     for (std::size_t v = 0; v < plan.variants.size(); ++v) {
       const CampaignCell& cell = tables.cells[r][v];
       row.emplace_back(figure_text(cell, error.rmse, error.num_decimals), contains(best_rmse, v));
@@ -204,8 +202,8 @@ TextTable basis_table(const CampaignPlan& plan, const CampaignTables& tables) {
     for (std::size_t v = 0; v < plan.variants.size(); ++v) {
       const CampaignCell& cell = tables.cells[r][v];
       const std::string gaps = gaps_text(cell);
-      Row row = {tables.rows[r], plan.variants[v].name,
-                 std::to_string(cell.num_done) + (gaps.empty() ? "" : "; " + gaps)};
+      TextTable::Row row = {tables.rows[r], plan.variants[v].name,
+                            std::to_string(cell.num_done) + (gaps.empty() ? "" : "; " + gaps)};
       row.emplace_back(optional_text(cell, kCoverage, 2, 100.0));
       row.emplace_back(optional_text(cell, kCoverageWithDepth, 2, 100.0));
       row.emplace_back(optional_text(cell, "frames_lost", 0));
@@ -243,7 +241,7 @@ TextTable gap_table(const std::string& title, const std::vector<CampaignGap>& ga
   table.header = {"Job", "Name"};
   if (with_reason) table.header.emplace_back("Reason");
   for (const CampaignGap& gap : gaps) {
-    Row row = {std::to_string(gap.job.index), gap.job.id};
+    TextTable::Row row = {std::to_string(gap.job.index), gap.job.id};
     if (with_reason) row.emplace_back(gap.reason);
     table.rows.push_back(row);
   }

@@ -70,7 +70,7 @@ std::string html_table(const TextTable& table) {
   std::string text = "<h2>" + html_text(table.title) + "</h2>\n<div class=\"scroll\"><table>\n<tr>";
   for (const std::string& name : table.header) text += "<th>" + html_text(name) + "</th>";
   text += "</tr>\n";
-  for (const std::vector<TextTable::Field>& row : table.rows) {
+  for (const TextTable::Row& row : table.rows) {
     text += "<tr>";
     for (const TextTable::Field& field : row) {
       text += "<td>";

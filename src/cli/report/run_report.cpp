@@ -19,8 +19,6 @@ constexpr int kPlotHeight_px = 270;
 constexpr int kMapHeight_px = 380;
 constexpr PlotBox kPanelBox = {0.150, 0.970, 0.185, 0.800};
 
-using Row = std::vector<TextTable::Field>;
-
 PlotPanel error_panel(const RunResult& result) {
   PlotSeries series{"after alignment", {}};
   for (const auto& [timestamp_s, error_m] : absolute_errors_m(result)) {
@@ -72,9 +70,9 @@ PlotPanel time_panel(const RunResult& result, const char* title, bool of_mapping
   return panel;
 }
 
-Row error_row(const std::string& name, const Status& status, const ErrorStatistics& error,
-              int num_decimals) {
-  Row row = {name};
+TextTable::Row error_row(const std::string& name, const Status& status,
+                         const ErrorStatistics& error, int num_decimals) {
+  TextTable::Row row = {name};
   if (!status.ok()) {
     row.emplace_back(std::string("n/a: ") + status.reason);
     return row;
