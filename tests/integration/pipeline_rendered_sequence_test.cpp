@@ -15,17 +15,17 @@
 #include "srslam/core/se3.hpp"
 #include "srslam/evaluation/trajectory_error.hpp"
 #include "srslam/pipeline/reference_pipeline.hpp"
+#include "support/constants.hpp"
 #include "support/rendered_world.hpp"
 #include "support/rng.hpp"
 
 namespace srslam {
 namespace {
 
+using test::kNan;
 using test::RenderedFrame;
 using test::RenderedWorld;
 using test::Rng;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Half of a 640x480 camera.
 PinholeCamera camera() {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "srslam/core/camera.hpp"
+#include "support/constants.hpp"
 #include "support/numeric_jacobian.hpp"
 #include "support/rng.hpp"
 #include "support/test_cameras.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 using test::dataset_cameras;
 using test::for_each_seed;
+using test::kPi;
 using test::matrices_near;
 using test::NamedCamera;
 using test::numeric_jacobian;
@@ -103,7 +105,7 @@ TEST(CameraProperties, ProjectInvertsUnproject) {
 TEST(CameraProperties, DomainIsStarShapedAndMonotone) {
   for_each_seed(200, [](Rng& rng) {
     const PinholeCamera camera = random_camera(rng);
-    const double azimuth = rng.uniform(0.0, 2.0 * Rng::kPi);
+    const double azimuth = rng.uniform(0.0, 2.0 * kPi);
     const Eigen::Vector2d direction(std::cos(azimuth), std::sin(azimuth));
     bool inside = true;
     double previous = 0.0;

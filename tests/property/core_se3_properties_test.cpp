@@ -7,6 +7,7 @@
 
 #include "srslam/core/conventions.hpp"
 #include "srslam/core/se3.hpp"
+#include "support/constants.hpp"
 #include "support/numeric_jacobian.hpp"
 #include "support/rng.hpp"
 
@@ -14,13 +15,12 @@ namespace srslam {
 namespace {
 
 using test::for_each_seed;
+using test::kPi;
 using test::matrices_near;
 using test::numeric_jacobian;
 using test::Rng;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
-constexpr double kPi = Rng::kPi;
 
 /// The regimes of the rotation angle [rad].
 const std::vector<double>& angles() {

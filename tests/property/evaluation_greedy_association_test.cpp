@@ -7,10 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "srslam/evaluation/association.hpp"
+#include "support/constants.hpp"
 #include "support/rng.hpp"
 
 namespace srslam {
 namespace {
+
+using test::kEpoch_s;
 
 struct Candidate {
   double abs_difference_s;
@@ -87,7 +90,7 @@ void expect_equal_to_greedy(const Trajectory& reference, const Trajectory& estim
 // Steps of a power of two make every difference exact, so that ties are ties, and there are many.
 TEST(GreedyAssociation, EqualsTheDefinitionWithManyTies) {
   test::for_each_seed(1000, [](test::Rng& rng) {
-    const double start_s = rng.coin() ? 0.0 : 1.5e9;
+    const double start_s = rng.coin() ? 0.0 : kEpoch_s;
     const double step_s = 1.0 / 64.0;
     const int max_steps = rng.uniform_int(5, 120);
     const Trajectory reference = random_times(rng, 40, start_s, step_s, max_steps);
@@ -103,8 +106,8 @@ TEST(GreedyAssociation, EqualsTheDefinitionWithJitteredClocks) {
   test::for_each_seed(40, [](test::Rng& rng) {
     Trajectory reference;
     Trajectory estimate;
-    double reference_time_s = 1.5e9;
-    double estimate_time_s = 1.5e9 + rng.uniform(-0.5, 0.5);
+    double reference_time_s = kEpoch_s;
+    double estimate_time_s = kEpoch_s + rng.uniform(-0.5, 0.5);
     for (int i = 0; i < 300; ++i) {
       reference_time_s += rng.uniform_int(0, 20) == 0 ? 0.3 : rng.uniform(0.001, 0.02);
       reference.push_back({reference_time_s, Pose::Identity()});
@@ -120,8 +123,8 @@ TEST(GreedyAssociation, EqualsTheDefinitionWithJitteredClocks) {
 
 TEST(GreedyAssociation, IsOneToOneAndWithinTheTolerance) {
   test::for_each_seed(200, [](test::Rng& rng) {
-    const Trajectory reference = random_times(rng, 100, 1.5e9, 0.004, 500);
-    const Trajectory estimate = random_times(rng, 100, 1.5e9, 0.007, 300);
+    const Trajectory reference = random_times(rng, 100, kEpoch_s, 0.004, 500);
+    const Trajectory estimate = random_times(rng, 100, kEpoch_s, 0.007, 300);
     const AssociationResult result = associate(reference, estimate);
     std::vector<bool> reference_taken(reference.size(), false);
     std::vector<bool> estimate_taken(estimate.size(), false);

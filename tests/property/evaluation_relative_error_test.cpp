@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "srslam/evaluation/trajectory_error.hpp"
+#include "support/constants.hpp"
 #include "support/random_trajectory.hpp"
 #include "support/rng.hpp"
 
@@ -131,7 +132,7 @@ TEST(RelativeErrorProperty, AgreesWithQuaternionArithmetic) {
       translations_m.push_back(
           (reference_turn.conjugate() * (estimate_way - reference_way)).norm());
       rotations_deg.push_back(2.0 * std::atan2(turn.vec().norm(), std::abs(turn.w())) * 180.0 /
-                              test::Rng::kPi);
+                              test::kPi);
     }
     const RpeResult result = relative_pose_error(pair.reference, pair.estimate, options);
     ASSERT_TRUE(result.status.ok()) << result.status.reason;

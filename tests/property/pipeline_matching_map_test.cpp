@@ -12,12 +12,14 @@
 
 #include "pipeline/map.hpp"
 #include "pipeline/matching.hpp"
+#include "support/constants.hpp"
 #include "support/tracking_frames.hpp"
 
 namespace srslam::detail {
 namespace {
 
 using test::for_each_seed;
+using test::kPi;
 using test::Rng;
 
 const TrackingCamera& camera() {
@@ -101,8 +103,8 @@ void keep_common_turns(const FeatureFrame& frame, const std::vector<MatchCandida
     if (from < 0.0F) return -1;
     double turn =
         double(from) - double(frame.features[static_cast<std::size_t>(match.feature)].angle_rad);
-    while (turn < 0.0) turn += 2.0 * Rng::kPi;
-    return static_cast<int>(std::floor(turn / (2.0 * Rng::kPi) * 30.0 + 0.5)) % 30;
+    while (turn < 0.0) turn += 2.0 * kPi;
+    return static_cast<int>(std::floor(turn / (2.0 * kPi) * 30.0 + 0.5)) % 30;
   };
   std::array<int, 30> count{};
   for (const Match& match : *matches) {

@@ -9,6 +9,7 @@
 
 #include "srslam/evaluation/error_statistics.hpp"
 #include "srslam/evaluation/trajectory.hpp"
+#include "support/constants.hpp"
 #include "support/rng.hpp"
 
 namespace srslam::test {
@@ -22,7 +23,7 @@ struct TrajectoryPair {
 /// a world frame of its own.
 inline TrajectoryPair random_trajectory_pair(Rng& rng, int size = 400, double noise_m = 0.02) {
   TrajectoryPair pair;
-  const double start_s = 1.5e9 + rng.uniform(0.0, 1000.0);
+  const double start_s = kEpoch_s + rng.uniform(0.0, 1000.0);
   Pose T_world_camera = rng.pose(2.0);
   const Pose T_other_world = rng.pose(5.0);
   const Eigen::Vector3d drift = rng.vector3(-0.01, 0.01);

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "srslam/core/pose.hpp"
+#include "support/constants.hpp"
 
 namespace srslam::test {
 
@@ -74,8 +75,6 @@ class Rng {
     T.translation() = vector3(-max_translation_m, max_translation_m);
     return T;
   }
-
-  static constexpr double kPi = 3.14159265358979323846;
 
  private:
   std::uint64_t state_;

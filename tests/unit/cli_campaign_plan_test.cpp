@@ -72,7 +72,7 @@ TEST(CampaignSeeds, AreNumbersAndRanges) {
   EXPECT_EQ(seeds, (std::vector<std::uint32_t>{4294967295U})) << "set on success only";
 }
 
-CampaignPlan example_plan() {
+CampaignPlan plan_of_folders() {
   CampaignPlan plan;
   plan.version = "0.1.0";
   plan.suite = "/data";
@@ -86,7 +86,7 @@ CampaignPlan example_plan() {
 }
 
 TEST(CampaignPlan, NumbersItsJobsAndNamesThem) {
-  const std::vector<CampaignJob> jobs = plan_jobs(example_plan());
+  const std::vector<CampaignJob> jobs = plan_jobs(plan_of_folders());
   ASSERT_EQ(jobs.size(), 8U);
   EXPECT_EQ(jobs[0].id, "001_desk_baseline_r1");
   EXPECT_EQ(jobs[3].id, "004_desk_SP_r2");
@@ -101,7 +101,7 @@ TEST(CampaignPlan, NumbersItsJobsAndNamesThem) {
 }
 
 TEST(CampaignPlan, PrintsCommandsThatAShellTakes) {
-  const std::string text = job_list_text(example_plan(), "/out");
+  const std::string text = job_list_text(plan_of_folders(), "/out");
   EXPECT_EQ(text.substr(0, text.find('\n')),
             "1\t001_desk_baseline_r1\tsrslam run --dataset /data/desk --modules none --config "
             "/out/config.yaml --output /out/jobs/001_desk_baseline_r1 --quiet --max-frames 50");
@@ -110,7 +110,7 @@ TEST(CampaignPlan, PrintsCommandsThatAShellTakes) {
 }
 
 TEST(CampaignPlan, ComesBackFromItsFile) {
-  CampaignPlan plan = example_plan();
+  CampaignPlan plan = plan_of_folders();
   plan.sequences[0].seed = 7;
   plan.max_frames.reset();
   CampaignPlan read;
@@ -123,14 +123,14 @@ TEST(CampaignPlan, ComesBackFromItsFile) {
 
 TEST(CampaignPlan, RefusesADamagedFile) {
   CampaignPlan plan;
-  const std::string good = plan_json(example_plan()).dump();
+  const std::string good = plan_json(plan_of_folders()).dump();
   for (const std::string& text : {std::string(), std::string("[]"), good.substr(0, good.size() / 2),
                                   std::string("{\"format\": 2}")}) {
     EXPECT_NE(parse_plan(text, "plan.json", &plan).find("plan.json: "), std::string::npos) << text;
   }
   for (const char* key :
        {"version", "suite", "repeats", "max_frames", "config_hash", "variants", "sequences"}) {
-    nlohmann::ordered_json json = plan_json(example_plan());
+    nlohmann::ordered_json json = plan_json(plan_of_folders());
     json[key] = true;
     EXPECT_NE(parse_plan(json.dump(), "plan.json", &plan).find(key), std::string::npos);
     json.erase(key);
@@ -139,15 +139,15 @@ TEST(CampaignPlan, RefusesADamagedFile) {
 }
 
 TEST(CampaignPlan, SaysWhatDiffers) {
-  CampaignPlan other = example_plan();
+  CampaignPlan other = plan_of_folders();
   other.num_repeats = 3;
   other.variants.pop_back();
-  EXPECT_EQ(plan_difference(example_plan(), other),
+  EXPECT_EQ(plan_difference(plan_of_folders(), other),
             "repeats: 2 there, 3 now; variants: only there "
             "[{\"name\":\"SP\",\"modules\":\"S,P\"}]");
-  other = example_plan();
+  other = plan_of_folders();
   std::swap(other.sequences[0], other.sequences[1]);
-  EXPECT_EQ(plan_difference(example_plan(), other), "sequences: in another order");
+  EXPECT_EQ(plan_difference(plan_of_folders(), other), "sequences: in another order");
 }
 
 class CampaignSuite : public Test {

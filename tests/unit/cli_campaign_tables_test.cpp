@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kAte = "ate_rmse_m";
 
 /// Two scenarios with two seeds, a baseline and one variant, one repeat: 8 jobs.
-CampaignPlan example_plan() {
+CampaignPlan plan_of_worlds() {
   CampaignPlan plan;
   plan.version = "0.1.0";
   plan.suite = "synthetic";
@@ -47,7 +47,7 @@ JobRecord done(double ate_rmse_m, double coverage = 1.0) {
 }
 
 /// crowd: baseline 0.4 and 0.2, SP 0.03 and 0.05; room: baseline 0.01 and 0.01, SP 0.02 and 0.01.
-std::vector<JobRecord> example_records() {
+std::vector<JobRecord> records_of_worlds() {
   return {done(0.4),  done(0.03), done(0.2),  done(0.05),
           done(0.01), done(0.02), done(0.01), done(0.01)};
 }
@@ -60,7 +60,7 @@ std::string row_of(const std::string& markdown, const std::string& table, const 
 }
 
 TEST(CampaignTables, HoldMedianSpreadAndImprovementOfTheMedians) {
-  const CampaignTables tables = make_tables(example_plan(), example_records());
+  const CampaignTables tables = make_tables(plan_of_worlds(), records_of_worlds());
   ASSERT_EQ(tables.rows, (std::vector<std::string>{"crowd", "room"}));
   const CampaignAggregate& baseline = tables.cells[0][0].figures.at(kAte);
   EXPECT_DOUBLE_EQ(baseline.median, 0.3);
@@ -84,35 +84,35 @@ TEST(CampaignTables, HoldMedianSpreadAndImprovementOfTheMedians) {
 }
 
 TEST(CampaignTables, ABaselineOfZeroHasNoImprovement) {
-  std::vector<JobRecord> records = example_records();
+  std::vector<JobRecord> records = records_of_worlds();
   records[0] = records[2] = done(0.0);
-  const CampaignTables tables = make_tables(example_plan(), records);
+  const CampaignTables tables = make_tables(plan_of_worlds(), records);
   EXPECT_FALSE(tables.cells[0][1].figures.at(kAte).improvement_percent.has_value());
   EXPECT_EQ(mean_improvement(tables, 1, kAte).count, 1U);
 }
 
 TEST(CampaignTables, TheBestIsTheSmallestThatLostNothing) {
-  std::vector<JobRecord> records = example_records();
-  CampaignTables tables = make_tables(example_plan(), records);
+  std::vector<JobRecord> records = records_of_worlds();
+  CampaignTables tables = make_tables(plan_of_worlds(), records);
   EXPECT_EQ(best_variants(tables, 0, kAte, 4), (std::vector<std::size_t>{1}));
   EXPECT_EQ(best_variants(tables, 1, kAte, 4), (std::vector<std::size_t>{0}));
   EXPECT_EQ(best_variants(tables, 1, kAte, 1), (std::vector<std::size_t>{0, 1})) << "0.0 and 0.0";
   records[1] = done(0.03, 0.99);
-  tables = make_tables(example_plan(), records);
+  tables = make_tables(plan_of_worlds(), records);
   EXPECT_EQ(best_variants(tables, 0, kAte, 4), (std::vector<std::size_t>{0}));
   records[0] = done(0.4, 0.5);
-  tables = make_tables(example_plan(), records);
+  tables = make_tables(plan_of_worlds(), records);
   EXPECT_EQ(best_variants(tables, 0, kAte, 4), (std::vector<std::size_t>{1})) << "none is whole";
 }
 
 TEST(CampaignTables, SayInTheCellWhatIsNotThere) {
-  std::vector<JobRecord> records = example_records();
+  std::vector<JobRecord> records = records_of_worlds();
   records[0] = failed_job("ended | with\n<code> 1");
   records[1] = {};
   records[4] = records[6] = failed_job("x");
   records[5] = done(0.02, 0.97);
-  const CampaignTables tables = make_tables(example_plan(), records);
-  const std::string text = tables_markdown(example_plan(), tables);
+  const CampaignTables tables = make_tables(plan_of_worlds(), records);
+  const std::string text = tables_markdown(plan_of_worlds(), tables);
   EXPECT_EQ(row_of(text, "ATE", "crowd"),
             "| crowd | 0.2000; failed 1 of 2 | 0.1000; failed 1 of 2 | "
             "**0.0500; missing 1 of 2** | **0.0250; missing 1 of 2** | 75.00 | 75.00 |");
@@ -131,8 +131,8 @@ TEST(CampaignTables, SayInTheCellWhatIsNotThere) {
 }
 
 TEST(CampaignTables, AreLaidOutAsThePapers) {
-  const CampaignTables tables = make_tables(example_plan(), example_records());
-  const std::string text = tables_markdown(example_plan(), tables);
+  const CampaignTables tables = make_tables(plan_of_worlds(), records_of_worlds());
+  const std::string text = tables_markdown(plan_of_worlds(), tables);
   EXPECT_NE(text.find("| Sequence | baseline RMSE | baseline S.D. | SP RMSE | SP S.D. | "
                       "SP improvement RMSE [%] | SP improvement S.D. [%] |"),
             std::string::npos)
@@ -153,18 +153,18 @@ TEST(CampaignTables, AreLaidOutAsThePapers) {
 }
 
 TEST(CampaignTables, WithoutABaselineHaveNoImprovements) {
-  CampaignPlan plan = example_plan();
+  CampaignPlan plan = plan_of_worlds();
   plan.variants[0] = {"S", "S"};
-  const std::string text = tables_markdown(plan, make_tables(plan, example_records()));
+  const std::string text = tables_markdown(plan, make_tables(plan, records_of_worlds()));
   EXPECT_EQ(text.find("improvement RMSE"), std::string::npos);
   EXPECT_NE(text.find("No improvements: the variant baseline is not part"), std::string::npos);
 }
 
 TEST(CampaignTables, CsvHasEveryRunAndTheAggregates) {
-  std::vector<JobRecord> records = example_records();
+  std::vector<JobRecord> records = records_of_worlds();
   records[7] = failed_job("no");
   const std::string text =
-      tables_csv(example_plan(), make_tables(example_plan(), records), records);
+      tables_csv(plan_of_worlds(), make_tables(plan_of_worlds(), records), records);
   for (const char* line :
        {"sequence,seed,variant,repeat,metric,statistic,value\n",
         "crowd,1,baseline,1,status,value,done\n", "crowd,2,SP,1,ate_rmse_m,value,0.05\n",
@@ -174,14 +174,14 @@ TEST(CampaignTables, CsvHasEveryRunAndTheAggregates) {
     EXPECT_NE(text.find(line), std::string::npos) << line << text;
   }
   EXPECT_EQ(text.find("wall_s"), std::string::npos) << "times are kept apart";
-  EXPECT_NE(times_csv(example_plan(), records).find("crowd,1,baseline,1,0,1,12,"),
+  EXPECT_NE(times_csv(plan_of_worlds(), records).find("crowd,1,baseline,1,0,1,12,"),
             std::string::npos);
 }
 
 TEST(CampaignTables, JsonHasCellsAndJobs) {
-  const std::vector<JobRecord> records = example_records();
+  const std::vector<JobRecord> records = records_of_worlds();
   const std::string text =
-      tables_json(example_plan(), make_tables(example_plan(), records), records);
+      tables_json(plan_of_worlds(), make_tables(plan_of_worlds(), records), records);
   const auto json = nlohmann::json::parse(text, nullptr, false);
   ASSERT_FALSE(json.is_discarded());
   EXPECT_EQ(json["cells"].size(), 4U);
@@ -193,8 +193,8 @@ TEST(CampaignTables, JsonHasCellsAndJobs) {
 }
 
 TEST(CampaignTables, DependOnNothingButPlanAndRecords) {
-  std::vector<JobRecord> records = example_records();
-  const CampaignPlan plan = example_plan();
+  std::vector<JobRecord> records = records_of_worlds();
+  const CampaignPlan plan = plan_of_worlds();
   const std::string first = tables_json(plan, make_tables(plan, records), records) +
                             tables_csv(plan, make_tables(plan, records), records) +
                             tables_markdown(plan, make_tables(plan, records));

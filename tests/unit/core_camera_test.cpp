@@ -7,16 +7,16 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
+#include "support/constants.hpp"
 #include "support/test_cameras.hpp"
 
 namespace srslam {
 namespace {
 
 using test::dataset_cameras;
+using test::kInf;
+using test::kNan;
 using test::NamedCamera;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 PinholeCamera ideal_camera() {
   PinholeCamera camera;

@@ -1,17 +1,18 @@
 #include "srslam/core/robust_cost.hpp"
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "support/constants.hpp"
+
 namespace srslam {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
+using test::kInf;
+using test::kNan;
 
 const std::vector<RobustKind>& all_kinds() {
   static const std::vector<RobustKind> kinds = {RobustKind::kNone, RobustKind::kHuber,

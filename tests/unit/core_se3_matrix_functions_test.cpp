@@ -9,6 +9,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "srslam/core/se3.hpp"
+#include "support/constants.hpp"
 #include "support/rng.hpp"
 
 namespace srslam {
@@ -16,8 +17,7 @@ namespace {
 
 using Matrix4l = Eigen::Matrix<long double, 4, 4>;
 using Matrix6l = Eigen::Matrix<long double, 6, 6>;
-
-constexpr double kPi = test::Rng::kPi;
+using test::kPi;
 
 /// Angles [rad] on which all of this must hold; π is the double nearest to it, i.e. half a turn to
 /// the last bit.

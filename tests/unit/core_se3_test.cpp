@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/constants.hpp"
 #include "support/numeric_jacobian.hpp"
 
 namespace srslam {
@@ -14,11 +15,10 @@ namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using test::kInf;
+using test::kNan;
+using test::kPi;
 using test::matrices_near;
-
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 Vector6 make_tangent(double x, double y, double z, double rx, double ry, double rz) {
   Vector6 tangent;

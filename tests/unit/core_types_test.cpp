@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -17,16 +16,16 @@
 #include "srslam/core/grid.hpp"
 #include "srslam/core/image_view.hpp"
 #include "srslam/core/status.hpp"
+#include "support/constants.hpp"
 #include "support/rng.hpp"
 
 namespace srslam {
 namespace {
 
 using test::for_each_seed;
+using test::kInf;
+using test::kNan;
 using test::Rng;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 // ---------------------------------------------------------------------------------------- status
 

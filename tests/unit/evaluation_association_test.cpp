@@ -7,9 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "srslam/evaluation/association.hpp"
+#include "support/constants.hpp"
 
 namespace srslam {
 namespace {
+
+using test::kEpoch_s;
 
 Trajectory at_times(const std::vector<double>& timestamps_s) {
   Trajectory trajectory;
@@ -97,12 +100,11 @@ TEST(Associate, AddsTheOffsetToTheEstimate) {
 }
 
 TEST(Associate, WorksWithTimeStampsOfTheEpoch) {
-  const double epoch_s = 1.5e9;
   Trajectory reference;
   Trajectory estimate;
   for (int i = 0; i < 200; ++i) {
-    reference.push_back({epoch_s + 0.01 * i, Pose::Identity()});
-    if (i % 3 == 0) estimate.push_back({epoch_s + 0.01 * i + 0.004, Pose::Identity()});
+    reference.push_back({kEpoch_s + 0.01 * i, Pose::Identity()});
+    if (i % 3 == 0) estimate.push_back({kEpoch_s + 0.01 * i + 0.004, Pose::Identity()});
   }
   const AssociationResult result = associate(reference, estimate);
   ASSERT_TRUE(result.status.ok());

@@ -10,11 +10,12 @@
 #include <Eigen/LU>
 
 #include "srslam/evaluation/trajectory_error.hpp"
+#include "support/constants.hpp"
 
 namespace srslam {
 namespace {
 
-constexpr double kEpoch_s = 1.5e9;
+using test::kEpoch_s;
 
 Trajectory through(const std::vector<Eigen::Vector3d>& positions) {
   Trajectory trajectory;

@@ -10,12 +10,13 @@
 #include <Eigen/Geometry>
 
 #include "srslam/evaluation/trajectory_error.hpp"
+#include "support/constants.hpp"
 
 namespace srslam {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kEpoch_s = 1.5e9;
+using test::kEpoch_s;
+using test::kPi;
 
 Eigen::Matrix3d about_z(double angle_deg) {
   return Eigen::AngleAxisd(angle_deg * kPi / 180.0, Eigen::Vector3d::UnitZ()).toRotationMatrix();
