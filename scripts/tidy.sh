@@ -8,18 +8,14 @@
 # The base is the commit in SRSLAM_TIDY_BASE; else where this branch left the branch it is to be
 # merged into (origin/HEAD, origin/main or main); else, on that branch itself, the commit in
 # .ci/tidy_base, up to which everything has been checked; without any of them, everything is checked.
-# A changed header is checked through one translation unit that includes it. Needs a build in
-# build/release.
+# A changed header is checked through one translation unit that includes it. How each source is
+# compiled comes from build/tidy: build/release without the sources joined, configured but not built.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-build_folder=build/release
+build_folder=build/tidy
 database=$build_folder/compile_commands.json
-if [[ ! -f $database ]]; then
-  echo "tidy.sh: $database is not there; run scripts/test.sh first" >&2
-  exit 1
-fi
 
 find_base() {
   local branch base head
@@ -71,6 +67,14 @@ else
   fi
 fi
 
+configure() {
+  cmake --preset release -B "$build_folder" -DCMAKE_UNITY_BUILD=OFF &&
+    cmake --build "$build_folder" --target abi_layout_entries
+}
+if ! output=$(configure 2>&1); then
+  printf '%s\n' "$output" "tidy.sh: build/tidy cannot be configured" >&2
+  exit 1
+fi
 python3 scripts/tidy_units.py "$database" "${changed[@]}" >"$build_folder/tidy_units.txt"
 num_units=$(wc -l <"$build_folder/tidy_units.txt")
 echo "tidy.sh: $num_units translation units"
