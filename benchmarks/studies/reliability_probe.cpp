@@ -220,7 +220,8 @@ int main(int argc, char** argv) {
     const std::string suffix = std::to_string(age);
     out << ",age_" << suffix << ",alive_" << suffix << ",R_" << suffix;
     for (const char* variant : {"none", "affine", "rigid"}) {
-      for (const char* column : {"residual", "magnitude", "cells", "inliers", "certainty", "rival"}) {
+      for (const char* column :
+           {"residual", "magnitude", "cells", "inliers", "certainty", "rival"}) {
         out << ',' << column << '_' << variant << '_' << suffix;
       }
     }

@@ -13,15 +13,16 @@ namespace srslam {
 
 /// When another frame becomes the one that motion is measured against.
 struct ReferenceOptions {
-  int num_initial_frames = 5;    ///< judged without motion; the best becomes the reference; 1..30
-  bool prefer_higher = true;     ///< a frame of higher current reliability takes over, as printed
+  int num_initial_frames = 5;  ///< judged without motion; the best becomes the reference; 1..30
+  bool prefer_higher = true;   ///< a frame of higher current reliability takes over, as printed
   /// A frame takes over only when it is this old for the next one, but for the initial ones: over
   /// fewer frames slow movers hide among what stands still. 1..30
   int min_age_frames = 3;
-  int max_age_frames = 6;  ///< an older reference is replaced; >= min_age_frames
+  int max_age_frames = 6;        ///< an older reference is replaced; >= min_age_frames
   double min_alive_share = 0.3;  ///< so is one of which fewer points are followed; [0, 1]
   int min_alive_tracks = 10;     ///< or fewer than this; >= 0
-  int num_candidates = 3;  ///< frames from min_age_frames on of which the best GOOD one follows; 1..30
+  int num_candidates =
+      3;  ///< frames from min_age_frames on of which the best GOOD one follows; 1..30
 
   /// Last frames that must be at hand, since any of them may become the reference.
   int num_recent_frames() const noexcept {

@@ -1,0 +1,356 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "srslam/scene/reliability.hpp"
+#include "support/flow_scene.hpp"
+
+namespace srslam {
+namespace {
+
+using test::flow_pose;
+using test::FlowScene;
+
+// --- Eq. 7 and 8 ---------------------------------------------------------------------------------
+
+TEST(ResidualFactor, HandComputed) {
+  EXPECT_NEAR(residual_factor(30.0, 60.0, ResidualFactorForm::kExponential), 0.6065306597, 1e-9);
+  EXPECT_NEAR(residual_factor(30.0, 60.0, ResidualFactorForm::kRational), 2.0 / 3.0, 1e-12);
+  EXPECT_EQ(residual_factor(30.0, 60.0, ResidualFactorForm::kClip), 1.0);
+  EXPECT_NEAR(residual_factor(90.0, 60.0, ResidualFactorForm::kClip), 2.0 / 3.0, 1e-12);
+  EXPECT_EQ(residual_factor(30.0, 60.0, ResidualFactorForm::kLinear), 0.5);
+  EXPECT_EQ(residual_factor(90.0, 60.0, ResidualFactorForm::kLinear), 0.0);
+  EXPECT_EQ(residual_factor(30.0, 60.0, ResidualFactorForm::kLiteral), 0.5);
+  EXPECT_NEAR(scene_reliability(0.55, 60.0, 60.0), 0.55 / std::exp(1.0), 1e-12);
+  EXPECT_NEAR(scene_reliability(5.4, 3.0, 60.0, ResidualFactorForm::kLiteral), 0.27, 1e-12);
+}
+
+TEST(ResidualFactor, IsOneAtRestAndFallsButForTheLiteralForm) {
+  for (const ResidualFactorForm form :
+       {ResidualFactorForm::kExponential, ResidualFactorForm::kRational, ResidualFactorForm::kClip,
+        ResidualFactorForm::kLinear}) {
+    EXPECT_EQ(residual_factor(0.0, 10.0, form), 1.0);
+    double last = 1.0;
+    for (double residual = 1.0; residual < 200.0; residual *= 1.5) {
+      const double factor = residual_factor(residual, 10.0, form);
+      EXPECT_LE(factor, last);
+      EXPECT_GE(factor, 0.0);
+      EXPECT_NEAR(factor, residual_factor(7.0 * residual, 70.0, form), 1e-12);
+      last = factor;
+    }
+  }
+  // As printed: the perfect frame at rest is worth nothing, and motion makes it better.
+  EXPECT_EQ(residual_factor(0.0, 60.0, ResidualFactorForm::kLiteral), 0.0);
+  EXPECT_GT(residual_factor(90.0, 60.0, ResidualFactorForm::kLiteral), 1.0);
+  EXPECT_TRUE(std::isnan(residual_factor(-1.0, 60.0, ResidualFactorForm::kClip)));
+  EXPECT_TRUE(std::isnan(residual_factor(1.0, 0.0, ResidualFactorForm::kClip)));
+}
+
+TEST(ClassifyScene, TheThresholdItselfIsGood) {
+  EXPECT_EQ(classify_scene(0.20, 0.20), SceneClass::kGood);
+  EXPECT_EQ(classify_scene(std::nextafter(0.20, 0.0), 0.20), SceneClass::kBad);
+  EXPECT_EQ(classify_scene(std::numeric_limits<double>::quiet_NaN(), 0.20), SceneClass::kBad);
+}
+
+// --- Reference frame -----------------------------------------------------------------------------
+
+/// Feeds frames 1, 2, ... with these current reliabilities, all GOOD and fully tracked.
+std::vector<std::uint64_t> references_over(const std::vector<double>& reliabilities,
+                                           const ReferenceOptions& options = {}) {
+  ReferencePolicy policy(options);
+  std::vector<std::uint64_t> ids;
+  ids.reserve(reliabilities.size());
+  for (std::size_t i = 0; i < reliabilities.size(); ++i) {
+    ReferenceCandidate frame;
+    frame.frame_id = i + 1;
+    frame.current_reliability = reliabilities[i];
+    frame.good = true;
+    frame.num_alive = 100;
+    const char* reason = "";
+    const bool changed = policy.update(frame, &reason);
+    EXPECT_EQ(changed, *reason != '\0');
+    ids.push_back(policy.reference_id());
+  }
+  return ids;
+}
+
+TEST(ReferencePolicy, TakesTheBestOfTheInitialFramesTiesEarliest) {
+  const std::vector<std::uint64_t> ids = references_over({0.5, 0.7, 0.6, 0.7, 0.65});
+  EXPECT_EQ(ids, (std::vector<std::uint64_t>{1, 2, 2, 2, 2}));
+}
+
+TEST(ReferencePolicy, ABetterFrameTakesOverWhenItIsOldEnough) {
+  ReferenceOptions options;
+  options.max_age_frames = 30;
+  // Frame 7 is better; from frame 9 on it is three frames old for the next one.
+  const std::vector<std::uint64_t> ids =
+      references_over({0.5, 0.7, 0.6, 0.6, 0.6, 0.6, 0.8, 0.6, 0.6, 0.6}, options);
+  EXPECT_EQ(ids, (std::vector<std::uint64_t>{1, 2, 2, 2, 2, 2, 2, 2, 7, 7}));
+  // At once, as printed.
+  options.min_age_frames = 1;
+  EXPECT_EQ(references_over({0.5, 0.7, 0.6, 0.6, 0.6, 0.6, 0.8, 0.6}, options)[6], 7U);
+  options.prefer_higher = false;
+  EXPECT_EQ(references_over({0.5, 0.7, 0.6, 0.6, 0.6, 0.6, 0.8, 0.6}, options)[7], 2U);
+}
+
+TEST(ReferencePolicy, NeverOlderThanAllowedNorYoungerThanAsked) {
+  test::Rng rng(7);
+  for (const bool falling : {false, true}) {
+    ReferenceOptions options;
+    ReferencePolicy policy(options);
+    const char* reason = "";
+    for (int i = 1; i <= 500; ++i) {
+      ReferenceCandidate frame;
+      frame.frame_id = std::uint64_t(i);
+      frame.current_reliability = falling ? 1.0 / i : rng.uniform(0.2, 0.9);
+      frame.good = falling ? i % 7 == 0 : rng.uniform(0.0, 1.0) < 0.5;
+      frame.num_alive = 100;
+      policy.update(frame, &reason);
+      const int age_at_next = i + 1 - static_cast<int>(policy.reference_id());
+      EXPECT_LE(age_at_next, options.max_age_frames + 1) << i;
+      if (i > 10) {
+        EXPECT_GE(age_at_next, options.min_age_frames) << i;
+      }
+      EXPECT_LE(age_at_next, options.num_recent_frames() + options.max_age_frames);
+    }
+  }
+}
+
+TEST(ReferencePolicy, LostPointsMakeItStale) {
+  ReferenceOptions options;
+  options.max_age_frames = 30;
+  options.prefer_higher = false;
+  ReferencePolicy policy(options);
+  const char* reason = "";
+  for (std::uint64_t id = 1; id <= 12; ++id) {
+    ReferenceCandidate frame;
+    frame.frame_id = id;
+    frame.current_reliability = 0.5;
+    frame.good = id != 10;
+    frame.num_alive = 100;
+    if (id == 12) frame.alive_share = 0.2;
+    policy.update(frame, &reason);
+  }
+  // Old enough are 10, 9 and 8; the newest GOOD one of equals is taken.
+  EXPECT_EQ(policy.reference_id(), 9U);
+  EXPECT_STREQ(reason, "most points of the reference were lost");
+}
+
+TEST(ReferencePolicy, RefusesOptionsOutOfRange) {
+  ReferenceOptions options;
+  EXPECT_TRUE(options.validate().ok());
+  options.max_age_frames = 2;
+  EXPECT_FALSE(options.validate().ok());
+  options = {};
+  options.min_age_frames = 20;
+  options.max_age_frames = 25;
+  options.num_candidates = 15;
+  EXPECT_FALSE(options.validate().ok());
+  options = {};
+  options.min_alive_share = -0.1;
+  EXPECT_FALSE(options.validate().ok());
+}
+
+// --- Assessor ------------------------------------------------------------------------------------
+
+/// A stream of frames, each with good features and depth, and the tracks of a scene.
+class AssessedStream {
+ public:
+  explicit AssessedStream(const SceneAssessorOptions& options = {})
+      : assessor_(test::flow_camera(), options), depth_m_(std::size_t{640} * 480, 2.0F) {
+    test::Rng rng(3);
+    for (int i = 0; i < 900; ++i) {
+      Feature feature;
+      feature.u_px = float(rng.uniform(0.0, 639.0));
+      feature.v_px = float(rng.uniform(0.0, 479.0));
+      feature.response = float(rng.uniform(20.0, 120.0));
+      features_.push_back(feature);
+    }
+  }
+
+  SceneReport next(const std::vector<FlowTrack>& tracks = {}) {
+    SceneObservation frame;
+    frame.frame_id = ++frame_id_;
+    frame.features = features_;
+    if (!depth_m_.empty()) frame.depth_m = {depth_m_.data(), 640, 480};
+    frame.tracks = tracks;
+    return assessor_.assess(frame);
+  }
+
+  /// Past the initial frames.
+  void start() {
+    for (int i = 0; i < 5; ++i) next();
+  }
+
+  std::vector<Feature>& features() { return features_; }
+  std::vector<float>& depth_m() { return depth_m_; }
+  SceneAssessor& assessor() { return assessor_; }
+
+ private:
+  SceneAssessor assessor_;
+  std::uint64_t frame_id_ = 0;
+  std::vector<Feature> features_;
+  std::vector<float> depth_m_;
+};
+
+TEST(SceneAssessor, InitialFramesAreJudgedWithoutMotion) {
+  AssessedStream stream;
+  FlowScene scene;
+  scene.mover_share = 0.9;
+  for (int i = 0; i < 5; ++i) {
+    const SceneReport report = stream.next(scene.tracks());
+    ASSERT_TRUE(report.status.ok());
+    EXPECT_TRUE(report.initial);
+    EXPECT_EQ(report.reliability, report.current.value);
+    EXPECT_EQ(report.scene_class, SceneClass::kGood);
+  }
+  EXPECT_FALSE(stream.next(scene.tracks()).initial);
+  EXPECT_EQ(stream.assessor().reference_id(), 1U);
+}
+
+TEST(SceneAssessor, CombinesTheTermsAsDocumented) {
+  SceneAssessorOptions options;
+  options.inlier_share_power = 2.0;
+  options.alive_share_power = 0.5;
+  options.residual_scale_px = 10.0;
+  AssessedStream stream(options);
+  stream.start();
+  FlowScene scene;
+  scene.mover_share = 0.2;
+  const SceneReport report = stream.next(scene.tracks());
+  ASSERT_TRUE(report.status.ok());
+  EXPECT_NEAR(report.factor, std::exp(-report.residual.value_px / 10.0), 1e-12);
+  EXPECT_NEAR(report.reliability,
+              report.current.value * report.factor * std::pow(report.residual.inlier_share, 2.0) *
+                  std::sqrt(report.residual.alive_share),
+              1e-12);
+  EXPECT_LE(report.reliability, report.current.value);
+  EXPECT_FALSE(report.confidence.metric.present);  // no detector looked at the frame
+  EXPECT_NE(report.line().find("residual"), std::string::npos);
+  EXPECT_EQ(report.line().find('\n'), std::string::npos);
+}
+
+TEST(SceneAssessor, TheLiteralFormsAreThoseOfThePrint) {
+  AssessedStream stream(SceneAssessorOptions::literal());
+  stream.start();
+  FlowScene scene;
+  scene.T_current_reference = Pose::Identity();
+  scene.noise_px = 0.0;
+  const SceneReport still = stream.next(scene.tracks());
+  EXPECT_NEAR(still.reliability, 0.0, 1e-4);  // the perfect frame is the worst
+  EXPECT_EQ(still.scene_class, SceneClass::kBad);
+  scene.T_current_reference = flow_pose(0.2, 0.0, 0.0, 0.0, 0.1, 0.0);
+  const SceneReport moving = stream.next(scene.tracks());
+  EXPECT_NEAR(moving.reliability, moving.residual_px / 60.0 * moving.current.value, 1e-12);
+  EXPECT_EQ(moving.scene_class, SceneClass::kGood);
+  EXPECT_GT(moving.current.value, 1.0);  // a plain sum
+}
+
+TEST(SceneAssessor, IndependentMotionMakesAFrameBadAndTheCamerasDoesNot) {
+  double last = 2.0;
+  bool was_bad = false;
+  for (const double step_m : {0.0, 0.03, 0.06, 0.12, 0.25, 0.5}) {
+    AssessedStream stream;
+    stream.start();
+    FlowScene scene;
+    scene.mover_share = 0.45;
+    scene.T_mover = flow_pose(step_m, 0.0, 0.0, 0.0, 0.0, 0.0);
+    const SceneReport report = stream.next(scene.tracks());
+    EXPECT_LT(report.reliability, last);
+    EXPECT_TRUE(!was_bad || report.scene_class == SceneClass::kBad);
+    was_bad = report.scene_class == SceneClass::kBad;
+    last = report.reliability;
+  }
+  EXPECT_TRUE(was_bad);
+  for (const double amount : {0.0, 1.0, 3.0}) {
+    AssessedStream stream;
+    stream.start();
+    FlowScene scene;
+    scene.T_current_reference = flow_pose(0.05 * amount, 0.0, 0.0, 0.0, 0.03 * amount, 0.0);
+    EXPECT_EQ(stream.next(scene.tracks()).scene_class, SceneClass::kGood) << amount;
+  }
+}
+
+TEST(SceneAssessor, StarvationAndBlindnessMakeAFrameBad) {
+  FlowScene scene;
+  AssessedStream no_features;
+  no_features.start();
+  no_features.features().clear();
+  EXPECT_EQ(no_features.next({}).scene_class, SceneClass::kBad);
+  EXPECT_EQ(no_features.next(scene.tracks()).scene_class, SceneClass::kBad);
+  AssessedStream no_depth;
+  no_depth.start();
+  std::fill(no_depth.depth_m().begin(), no_depth.depth_m().end(), 0.0F);
+  const SceneReport blind = no_depth.next(scene.tracks());
+  EXPECT_EQ(blind.scene_class, SceneClass::kBad);
+  EXPECT_STREQ(blind.weakest, "depth");
+}
+
+TEST(SceneAssessor, LostTracksRaiseTheResidualToTheScale) {
+  AssessedStream stream;
+  stream.start();
+  FlowScene scene;
+  std::vector<FlowTrack> tracks = scene.tracks();
+  for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].alive = i % 5 == 0;
+  const SceneReport report = stream.next(tracks);
+  EXPECT_GE(report.residual_px, stream.assessor().options().residual_scale_px);
+  EXPECT_LT(report.residual.value_px, 1.0);
+}
+
+TEST(SceneAssessor, StateIsASnapshot) {
+  AssessedStream a;
+  AssessedStream b;
+  FlowScene scene;
+  scene.mover_share = 0.3;
+  for (int i = 0; i < 20; ++i) a.next(scene.tracks());
+  const SceneAssessor::State state = a.assessor().state();
+  b.assessor().restore(state);
+  for (int i = 0; i < 21; ++i) b.next();  // ids up to 20 are refused, 21 is not
+  b.assessor().restore(state);
+  for (int i = 0; i < 10; ++i) {
+    scene.seed = std::uint64_t(i);
+    SceneObservation frame;
+    frame.frame_id = std::uint64_t(100 + i);
+    const std::vector<FlowTrack> tracks = scene.tracks();
+    frame.tracks = tracks;
+    frame.features = a.features();
+    const SceneReport from_a = a.assessor().assess(frame);
+    const SceneReport from_b = b.assessor().assess(frame);
+    EXPECT_EQ(from_a.reliability, from_b.reliability);
+    EXPECT_EQ(from_a.next_reference_id, from_b.next_reference_id);
+  }
+}
+
+TEST(SceneAssessor, RefusesWithoutChangingAnything) {
+  AssessedStream stream;
+  stream.start();
+  SceneObservation again;
+  again.frame_id = 5;
+  EXPECT_EQ(stream.assessor().assess(again).status.code, StatusCode::kInvalidArgument);
+  EXPECT_TRUE(stream.next().status.ok());
+  SceneAssessorOptions options;
+  options.residual_scale_px = 0.0;
+  SceneAssessor bad(test::flow_camera(), options);
+  EXPECT_EQ(bad.assess({}).status.code, StatusCode::kInvalidArgument);
+  EXPECT_FALSE(SceneAssessor(PinholeCamera{}).status().ok());
+}
+
+TEST(SceneAssessor, NoInputGivesANumberThatIsNone) {
+  // Nothing at all, frame after frame: BAD, and every number that is reported is one.
+  SceneAssessor assessor(test::flow_camera());
+  for (std::uint64_t id = 1; id < 12; ++id) {
+    SceneObservation frame;
+    frame.frame_id = id;
+    const SceneReport report = assessor.assess(frame);
+    ASSERT_TRUE(report.status.ok());
+    EXPECT_EQ(report.reliability, 0.0);
+    EXPECT_EQ(report.scene_class, SceneClass::kBad);
+    EXPECT_TRUE(std::isfinite(report.residual_px));
+  }
+}
+
+}  // namespace
+}  // namespace srslam
