@@ -16,7 +16,6 @@
 #include <iostream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/features2d.hpp>
 #include <string>
 #include <vector>
 
@@ -46,6 +45,7 @@ using srslam::SceneObservation;
 using srslam::SceneReport;
 
 constexpr int kProbeStep = 3;       // frames
+constexpr int kMaxDistance = 64;    // bits of 256
 constexpr double kFailed_m = 10.0;  // written where the probe finds no pose
 
 /// ORB and PnP between frames: what a feature-based tracker makes of them without any care.
@@ -59,12 +59,12 @@ class PlainTracker {
 
   /// Distance between the true camera position and the one that matches with the frame `kProbeStep`
   /// before give [m]; NaN where there is no such frame yet.
-  double error_m(const ImageView<const std::uint8_t>& gray, const ImageView<const float>& depth_m,
+  double error_m(const srslam::detail::OrbFeatures& features, const ImageView<const float>& depth_m,
                  const Pose* T_world_camera) {
     Frame frame;
-    orb_->detectAndCompute(srslam::as_mat(gray), cv::noArray(), frame.keypoints, frame.descriptors);
-    for (const cv::KeyPoint& keypoint : frame.keypoints) {
-      frame.depth_m.push_back(srslam::depth_at(depth_m, keypoint.pt.x, keypoint.pt.y));
+    frame.orb = features;
+    for (const srslam::Feature& feature : features.features) {
+      frame.depth_m.push_back(srslam::depth_at(depth_m, feature.u_px, feature.v_px));
     }
     frame.has_pose = T_world_camera != nullptr;
     if (frame.has_pose) frame.T_world_camera = *T_world_camera;
@@ -78,33 +78,47 @@ class PlainTracker {
 
  private:
   struct Frame {
-    std::vector<cv::KeyPoint> keypoints;
-    cv::Mat descriptors;
+    srslam::detail::OrbFeatures orb;
     std::vector<float> depth_m;
     bool has_pose = false;
     Pose T_world_camera = Pose::Identity();
   };
 
+  /// Nearest descriptor of `to` for each one of `from`, or -1 beyond the greatest distance.
+  static std::vector<int> nearest(const srslam::detail::OrbFeatures& from,
+                                  const srslam::detail::OrbFeatures& to) {
+    std::vector<int> result(from.descriptors.size(), -1);
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      int best = kMaxDistance + 1;
+      for (std::size_t k = 0; k < to.descriptors.size(); ++k) {
+        const int distance = srslam::hamming_distance(from.descriptors[i], to.descriptors[k]);
+        if (distance >= best) continue;
+        best = distance;
+        result[i] = static_cast<int>(k);
+      }
+    }
+    return result;
+  }
+
   double error_between(const Frame& from, const Frame& to) const {
-    if (from.descriptors.empty() || to.descriptors.empty()) return kFailed_m;
-    const cv::BFMatcher matcher(cv::NORM_HAMMING, true);
-    std::vector<cv::DMatch> matches;
-    matcher.match(from.descriptors, to.descriptors, matches);
+    const std::vector<int> forward = nearest(from.orb, to.orb);
+    const std::vector<int> backward = nearest(to.orb, from.orb);
     std::vector<cv::Point3d> points;
     std::vector<cv::Point2d> pixels;
-    for (const cv::DMatch& match : matches) {
-      const auto query = static_cast<std::size_t>(match.queryIdx);
-      if (match.distance > 64.0F || !(from.depth_m[query] > 0.1F) || from.depth_m[query] > 8.0F) {
+    for (std::size_t i = 0; i < forward.size(); ++i) {
+      if (forward[i] < 0 || backward[static_cast<std::size_t>(forward[i])] != static_cast<int>(i) ||
+          !(from.depth_m[i] > 0.1F) || from.depth_m[i] > 8.0F) {
         continue;
       }
-      const cv::Point2f& pixel = from.keypoints[query].pt;
+      const srslam::Feature& seen = from.orb.features[i];
+      const srslam::Feature& again = to.orb.features[static_cast<std::size_t>(forward[i])];
       Eigen::Vector3d point;
-      if (!camera_.unproject({double(pixel.x), double(pixel.y)}, double(from.depth_m[query]),
+      if (!camera_.unproject({double(seen.u_px), double(seen.v_px)}, double(from.depth_m[i]),
                              &point)) {
         continue;
       }
       points.emplace_back(point.x(), point.y(), point.z());
-      pixels.emplace_back(to.keypoints[static_cast<std::size_t>(match.trainIdx)].pt);
+      pixels.emplace_back(double(again.u_px), double(again.v_px));
     }
     cv::Mat rotation_vector;
     cv::Mat translation;
@@ -130,7 +144,6 @@ class PlainTracker {
   PinholeCamera camera_;
   cv::Mat camera_matrix_;
   cv::Mat distortion_;
-  cv::Ptr<cv::ORB> orb_ = cv::ORB::create(1000, 1.2F, 8, 31, 0, 2, cv::ORB::FAST_SCORE);
   std::vector<Frame> frames_;
 };
 
@@ -151,20 +164,10 @@ struct Stream {
   DominantMotionWorkspace workspace;
 };
 
-/// Largest support of a motion that was not chosen.
-double rival_support(const srslam::DominantMotionResult& motion) {
-  double largest = 0.0;
-  for (int i = 0; i < motion.num_motions; ++i) {
-    if (i == motion.chosen) continue;
-    largest = std::max(largest, motion.candidates[static_cast<std::size_t>(i)].support);
-  }
-  return largest;
-}
-
 void write_residual(const MotionResidualResult& residual, std::ostream& out) {
   out << ',' << residual.value_px << ',' << residual.mean_magnitude_px << ','
       << residual.mean_cell_px << ',' << residual.inlier_share << ',' << residual.motion.certainty
-      << ',' << rival_support(residual.motion);
+      << ',' << residual.motion.rival_share;
 }
 
 }  // namespace
@@ -175,7 +178,7 @@ int main(int argc, char** argv) {
   std::string output;
   LucasKanadeOptions flow;
   std::size_t max_frames = 0;
-  std::vector<int> max_ages = {30, 6};
+  std::vector<int> max_ages = {6};
   app.add_option("--dataset", settings.dataset_folder)->required();
   app.add_option("--camera", settings.camera);
   app.add_option("--groundtruth", settings.groundtruth);
@@ -251,7 +254,7 @@ int main(int argc, char** argv) {
       points.push_back(point);
     }
 
-    out << i << ',' << plain.error_m(gray, depth_m, truth[i]) << ',' << detections.size();
+    out << i << ',' << plain.error_m(features, depth_m, truth[i]) << ',' << detections.size();
     for (std::size_t s = 0; s < streams.size(); ++s) {
       Stream& stream = streams[s];
       stream.tracker.push(i + 1, gray, points);
@@ -273,9 +276,9 @@ int main(int argc, char** argv) {
             << report.spatial.metric.normalized() << ',' << report.feature.metric.normalized()
             << ',' << report.depth.metric.normalized() << ',' << report.current.value;
       }
-      out << ',' << report.reference_age_frames << ',' << report.alive_share << ','
+      out << ',' << report.reference_age_frames << ',' << report.terms.alive_share << ','
           << report.reliability;
-      if (!report.initial) {
+      if (!report.terms.initial) {
         srslam::MotionResidualOptions options;
         for (const MotionCompensation variant :
              {MotionCompensation::kNone, MotionCompensation::kAffine}) {

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <string>
 
+#include "cli/calibrate_command.hpp"
 #include "cli/campaign/campaign_command.hpp"
 #include "cli/evaluate_command.hpp"
 #include "cli/exit_code.hpp"
@@ -178,6 +179,51 @@ CLI::App* add_synth_command(CLI::App* program, SynthSettings* settings) {
   return synth;
 }
 
+CLI::App* add_calibrate_command(CLI::App* program, CalibrateSettings* settings) {
+  CLI::App* calibrate = program->add_subcommand(
+      "calibrate",
+      "Set residual scale and threshold of the scene reliability from sequences in which nothing "
+      "moves but the camera");
+  calibrate
+      ->add_option("--dataset", settings->dataset_folders,
+                   "Folders in the TUM layout, one or more, of the camera that is to be used")
+      ->required()
+      ->type_name("DIR...");
+  calibrate
+      ->add_option("--camera", settings->camera,
+                   "Camera preset (" + preset_list() +
+                       ") or camera file; default: camera.yaml in each folder")
+      ->type_name("NAME|FILE");
+  calibrate
+      ->add_option("--config", settings->config_file,
+                   "Pipeline options to start from; all others are kept")
+      ->type_name("FILE");
+  calibrate
+      ->add_option("--output", settings->output_file,
+                   "Configuration to write, for `srslam run --config`; a picture of the "
+                   "distributions goes beside it")
+      ->required()
+      ->type_name("FILE");
+  calibrate->add_option("--max-frames", settings->max_frames, "Read so many frames of each folder")
+      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+      ->type_name("N");
+  calibrate->add_flag("--extremes", settings->extremes,
+                      "The largest residual and the smallest reliability, as in the paper, in "
+                      "place of percentiles");
+  calibrate
+      ->add_option("--residual-percentile", settings->calibration.residual_percentile,
+                   "Of the motion residuals: becomes the residual scale")
+      ->capture_default_str()
+      ->type_name("X");
+  calibrate
+      ->add_option("--reliability-percentile", settings->calibration.reliability_percentile,
+                   "Of the reliabilities: becomes the threshold")
+      ->capture_default_str()
+      ->type_name("X");
+  calibrate->add_flag("--quiet", settings->quiet, "No progress line");
+  return calibrate;
+}
+
 int dispatch(int argc, const char* const* argv) {
   CLI::App program("srslam: RGB-D SLAM over folders of images, and the evaluation of trajectories",
                    "srslam");
@@ -203,6 +249,9 @@ int dispatch(int argc, const char* const* argv) {
   CampaignSettings campaign_settings;
   const CLI::App* campaign = add_campaign_command(&program, &campaign_settings);
 
+  CalibrateSettings calibrate_settings;
+  const CLI::App* calibrate = add_calibrate_command(&program, &calibrate_settings);
+
   OptionsSettings options_settings;
   CLI::App* options = program.add_subcommand(
       "options", "Every pipeline option with value, range, unit and meaning");
@@ -218,6 +267,7 @@ int dispatch(int argc, const char* const* argv) {
   }
   if (run->parsed()) return run_command(run_settings);
   if (synth->parsed()) return synth_command(synth_settings);
+  if (calibrate->parsed()) return calibrate_command(calibrate_settings);
   if (campaign->parsed()) return campaign_command(campaign_settings);
   if (options->parsed()) return options_command(options_settings);
   if (with_scale) evaluate_settings.report.alignment = Alignment::kSim3;

@@ -16,7 +16,6 @@
 #include "cli/run_result.hpp"
 #include "cli/stop_signal.hpp"
 #include "cli/text_file.hpp"
-#include "srslam/io/detections_file.hpp"
 #include "srslam/pipeline/reference_pipeline.hpp"
 
 namespace srslam::cli {
@@ -41,20 +40,6 @@ FrameOutcome outcome_of(const PipelineResult& result) {
       break;
   }
   return FrameOutcome::kNotInitialized;
-}
-
-PipelineFrame pipeline_frame(const LoadedFrame& loaded, const RunInputs& inputs) {
-  PipelineFrame frame;
-  frame.timestamp_s = loaded.timestamp_s;
-  frame.gray = loaded.gray.view();
-  frame.depth_m = loaded.depth_m.view();
-  const std::size_t detections =
-      find_detections(inputs.detections, loaded.timestamp_s, kDetectionTolerance_s);
-  if (detections < inputs.detections.size()) {
-    frame.detections = inputs.detections[detections].detections;
-    frame.has_detections = true;
-  }
-  return frame;
 }
 
 /// Why not one pose came out of a run that ended by itself.

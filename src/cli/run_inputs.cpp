@@ -140,6 +140,20 @@ std::string load_run_inputs(const RunSettings& settings, RunInputs* inputs) {
   return {};
 }
 
+PipelineFrame pipeline_frame(const LoadedFrame& loaded, const RunInputs& inputs) {
+  PipelineFrame frame;
+  frame.timestamp_s = loaded.timestamp_s;
+  frame.gray = loaded.gray.view();
+  frame.depth_m = loaded.depth_m.view();
+  const std::size_t detections =
+      find_detections(inputs.detections, loaded.timestamp_s, kDetectionTolerance_s);
+  if (detections < inputs.detections.size()) {
+    frame.detections = inputs.detections[detections].detections;
+    frame.has_detections = true;
+  }
+  return frame;
+}
+
 std::string describe_run_inputs(const RunInputs& inputs) {
   const AssociationReport& association = inputs.dataset.association();
   std::string text;

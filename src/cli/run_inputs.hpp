@@ -11,6 +11,7 @@
 #include "srslam/io/camera_file.hpp"
 #include "srslam/io/tum_dataset.hpp"
 #include "srslam/pipeline/pipeline_options.hpp"
+#include "srslam/pipeline/reference_pipeline.hpp"
 
 namespace srslam::cli {
 
@@ -62,6 +63,9 @@ std::string read_camera(const std::string& camera, RgbdCamera* result);
 /// Reads and checks all inputs that `settings` names; nothing is written. Returns an empty string,
 /// or what is wrong and what would be right.
 std::string load_run_inputs(const RunSettings& settings, RunInputs* inputs);
+
+/// A frame of the dataset, which must outlive it, with the detections that belong to it.
+PipelineFrame pipeline_frame(const LoadedFrame& loaded, const RunInputs& inputs);
 
 /// What the run is going to do, a few lines: also everything that was found rather than asked for.
 std::string describe_run_inputs(const RunInputs& inputs);

@@ -31,10 +31,14 @@ enum class FlowModel : std::uint8_t {
 using AffineFlow = Eigen::Matrix<double, 2, 3, Eigen::DontAlign>;
 
 struct DominantMotionOptions {
-  double inlier_px = 3.0;        ///< tracks within belong to a motion; > 0, at the reference width
-  int reference_width_px = 640;  ///< image width for which distances in pixels hold; > 0
-  int min_tracks = 10;           ///< fewer usable tracks: no answer; >= 4
-  int max_motions = 3;           ///< looked for, 1..3
+  double inlier_px = 3.0;  ///< tracks within belong to a motion; > 0, at the reference width
+  /// ... plus this share of the tracks' lower quartile of length: over a fast motion of the camera
+  /// rolling shutter, blur and the offset between colour and depth make a rigid scene less rigid. A
+  /// quartile, so that fast movers do not widen it. >= 0
+  double inlier_per_flow = 0.08;
+  int reference_width_px = 640;    ///< image width for which distances in pixels hold; > 0
+  int min_tracks = 10;             ///< fewer usable tracks: no answer; >= 4
+  int max_motions = 3;             ///< looked for, 1..3
   double min_motion_share = 0.15;  ///< of the usable tracks, for a motion beside the strongest
   int max_samples = 100;           ///< minimal samples a motion, 1..10000
   double sample_confidence =
@@ -54,6 +58,9 @@ struct DominantMotionOptions {
     const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
     if (!positive(inlier_px) || !positive(velocity_scale_px)) {
       return bad("inlier_px and velocity_scale_px must be positive and finite");
+    }
+    if (!(inlier_per_flow >= 0.0) || !std::isfinite(inlier_per_flow)) {
+      return bad("inlier_per_flow must be finite and not negative");
     }
     if (reference_width_px < 1) return bad("reference_width_px must be positive");
     if (min_tracks < 4) return bad("min_tracks must be at least 4");
@@ -91,6 +98,8 @@ struct DominantMotionResult {
   int num_usable = 0;                           ///< alive and, for kRigid, with reference depth
   int num_inliers = 0;                          ///< of the chosen motion
   double inlier_share = 0.0;                    ///< of the usable tracks
+  double inlier_limit_px = 0.0;                 ///< distance that made an inlier, in this image
+  double rival_share = 0.0;                     ///< largest support of a motion not chosen
   double certainty = 0.0;                       ///< 1: no rival; 0: another motion scores the same
   int num_motions = 0;
   int chosen = 0;                               ///< index in `candidates`
@@ -438,6 +447,24 @@ void count_inliers(const Model& model, const typename Model::Parameters& motion,
   result->status = Status::success();
 }
 
+/// Distance within which a track belongs to a motion, in pixels of this image.
+inline float inlier_limit_px(ArrayView<const FlowTrack> tracks, double px_scale,
+                             const DominantMotionOptions& options,
+                             DominantMotionWorkspace* w) noexcept {
+  std::vector<float>& lengths_px = w->squared_error_px2;
+  lengths_px.clear();
+  for (const std::int32_t index : w->track) {
+    const FlowTrack& track = tracks[static_cast<std::size_t>(index)];
+    lengths_px.push_back(std::hypot(track.current.u_px - track.reference.u_px,
+                                    track.current.v_px - track.reference.v_px));
+  }
+  if (lengths_px.empty()) return static_cast<float>(options.inlier_px * px_scale);
+  const auto quartile = lengths_px.begin() + static_cast<std::ptrdiff_t>(lengths_px.size() / 4);
+  std::nth_element(lengths_px.begin(), quartile, lengths_px.end());
+  return static_cast<float>(options.inlier_px * px_scale +
+                            options.inlier_per_flow * double(*quartile));
+}
+
 /// Finds motions one after the other, lets them be voted on, and puts the winner into `result`.
 /// The workspace holds the usable tracks.
 template <typename Model>
@@ -452,7 +479,8 @@ void choose_motion(const Model& model, ArrayView<const FlowTrack> tracks, double
         Status::failure(StatusCode::kInsufficientData, "too few tracks for the camera's motion");
     return;
   }
-  const auto limit_px = static_cast<float>(options.inlier_px * px_scale);
+  const float limit_px = inlier_limit_px(tracks, px_scale, options, w);
+  result->inlier_limit_px = double(limit_px);
   const float limit_px2 = limit_px * limit_px;
   SampleStream random(options.seed);
   w->squared_error_px2.resize(num_usable);
@@ -513,6 +541,11 @@ void choose_motion(const Model& model, ArrayView<const FlowTrack> tracks, double
     } else {
       second_score = std::max(second_score, score);
     }
+  }
+  for (int number = 0; number < result->num_motions; ++number) {
+    if (number == result->chosen) continue;
+    result->rival_share =
+        std::max(result->rival_share, result->candidates[static_cast<std::size_t>(number)].support);
   }
   const auto best = static_cast<std::size_t>(result->chosen);
   *chosen = motions[best];
@@ -605,9 +638,10 @@ inline DominantMotionResult rigid_motion_support(ArrayView<const FlowTrack> trac
         Status::failure(StatusCode::kInsufficientData, "too few tracks for the camera's motion");
     return result;
   }
-  detail::count_inliers(model, T_current_reference,
-                        float(options.inlier_px * camera.width_px / options.reference_width_px),
-                        workspace, &result);
+  result.inlier_limit_px = double(detail::inlier_limit_px(
+      tracks, double(camera.width_px) / options.reference_width_px, options, workspace));
+  detail::count_inliers(model, T_current_reference, float(result.inlier_limit_px), workspace,
+                        &result);
   result.certainty = 1.0;
   return result;
 }

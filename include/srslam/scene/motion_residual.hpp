@@ -47,12 +47,19 @@ struct MotionResidualOptions {
   MotionCompensation compensation = MotionCompensation::kRigid;
   CellMean cell_mean = CellMean::kOccupiedCells;
   DominantMotionOptions motion;  ///< its reference_width_px holds for the residual, too
+  /// A compensated motion vector counts with at most this length [px at the reference width]: what
+  /// moves counts by how much of the image it is, not by how fast it is or by how wrong a track.
+  /// Infinite: not limited. > 0
+  double max_vector_px = 5.0;
   /// Share of usable tracks with depth below which kRigid becomes kAffine; [0, 1].
   double min_depth_share = 0.3;
 
   Status validate() const noexcept {
     if (!(min_depth_share >= 0.0) || min_depth_share > 1.0) {
       return Status::failure(StatusCode::kInvalidArgument, "min_depth_share must be in [0, 1]");
+    }
+    if (!(max_vector_px > 0.0)) {
+      return Status::failure(StatusCode::kInvalidArgument, "max_vector_px must be positive");
     }
     return motion.validate();
   }
@@ -76,6 +83,9 @@ struct MotionResidualResult {
   int num_used = 0;           ///< alive and, if compensated, predicted by the camera's motion
   double alive_share = 0.0;   ///< of the given tracks
   double inlier_share = 0.0;  ///< of usable tracks, with the camera's motion; 0 for kNone
+  /// How far the camera's motion outweighs the strongest other one: their shares' ratio, 1 without
+  /// a rival and 0.5 with an equal one.
+  double dominance = 1.0;
   MotionCompensation compensation = MotionCompensation::kNone;  ///< that was possible
   DominantMotionResult motion;                                  ///< not run for kNone
 };
@@ -158,18 +168,24 @@ void measure_residual(const Model& model, const typename Model::Parameters& moti
                       const DominantMotionWorkspace& workspace,
                       MotionResidualResult* result) noexcept {
   ResidualSums sums;
+  const double px_scale = double(camera.width_px) / options.motion.reference_width_px;
+  const double max_length_px = options.max_vector_px * px_scale;
   Eigen::Vector2d predicted_px;
   for (std::size_t i = 0; i < workspace.track.size(); ++i) {
     if (!model.predict(motion, workspace, i, &predicted_px)) continue;
     const FlowPoint& reference = tracks[static_cast<std::size_t>(workspace.track[i])].reference;
     const Eigen::Vector2d observed_px(double(workspace.u_px[i]), double(workspace.v_px[i]));
+    Eigen::Vector2d left_px = observed_px - predicted_px;
+    const double length_px = left_px.norm();
+    if (length_px > max_length_px) left_px *= max_length_px / length_px;
     sums.add(grid_cell(double(reference.u_px), double(reference.v_px), camera.width_px,
                        camera.height_px),
-             observed_px - predicted_px);
+             left_px);
   }
-  sums.finish(double(camera.width_px) / options.motion.reference_width_px, options.cell_mean,
-              result);
+  sums.finish(px_scale, options.cell_mean, result);
   result->inlier_share = result->motion.inlier_share;
+  const double shares = result->motion.inlier_share + result->motion.rival_share;
+  result->dominance = shares > 0.0 ? result->motion.inlier_share / shares : 0.0;
 }
 
 inline void end_residual(MotionResidualResult* result) noexcept {

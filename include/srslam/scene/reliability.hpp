@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -31,16 +32,19 @@ struct SceneAssessorOptions {
   SpatialDistributionOptions spatial;
   FeatureQualityOptions feature;
   DepthQualityOptions depth;
-  CurrentReliabilityOptions current;
+  /// Geometric mean: a frame without features is unreliable however good its depth is, which a sum
+  /// cannot say.
+  CurrentReliabilityOptions current = geometric_mean();
   MotionResidualOptions residual;
   ReferenceOptions reference;
   ResidualFactorForm factor = ResidualFactorForm::kExponential;
   double residual_scale_px = 10.0;  ///< R_cb, at the reference width; > 0
   double threshold = 0.20;          ///< th_scene; finite, >= 0
-  /// Powers with which the share of tracks that move with the camera, and the share that is still
-  /// followed, multiply Eq. 7; >= 0, 0 as printed.
+  /// Powers with which these multiply Eq. 7; >= 0, 0 as printed: the share of tracks that move with
+  /// the camera, its weight against the strongest other motion, and the share still followed.
   double inlier_share_power = 1.0;
-  double alive_share_power = 0.5;
+  double dominance_power = 1.0;
+  double alive_share_power = 0.0;
 
   Status validate() const noexcept {
     for (const Status& status :
@@ -57,11 +61,17 @@ struct SceneAssessorOptions {
       return Status::failure(StatusCode::kInvalidArgument,
                              "threshold must be finite and not negative");
     }
-    if (!power(inlier_share_power) || !power(alive_share_power)) {
+    if (!power(inlier_share_power) || !power(dominance_power) || !power(alive_share_power)) {
       return Status::failure(StatusCode::kInvalidArgument,
                              "powers must be finite and not negative");
     }
     return Status::success();
+  }
+
+  static CurrentReliabilityOptions geometric_mean() noexcept {
+    CurrentReliabilityOptions options;
+    options.form = CurrentReliabilityForm::kGeometricMean;
+    return options;
   }
 
   /// Everything as printed: plain sum, raw image motion, factor x, scale 60 px.
@@ -76,11 +86,38 @@ struct SceneAssessorOptions {
     options.residual.cell_mean = CellMean::kAllCells;
     options.factor = ResidualFactorForm::kLiteral;
     options.residual_scale_px = 60.0;
+    options.reference.min_age_frames = 1;
+    options.reference.max_age_frames = 30;
     options.inlier_share_power = 0.0;
+    options.dominance_power = 0.0;
     options.alive_share_power = 0.0;
     return options;
   }
 };
+
+/// What a frame's reliability is made of.
+struct ReliabilityTerms {
+  double current = 0.0;      ///< Eq. 1
+  double residual_px = 0.0;  ///< Eq. 6, at the reference width
+  double inlier_share = 1.0;
+  double dominance = 1.0;  ///< see MotionResidualResult
+  double alive_share = 1.0;
+  bool initial = false;  ///< judged without motion: the other terms do not count
+};
+
+/// The reliability of a frame: Eq. 7, times powers of the track shares where these are asked for.
+inline double scene_reliability(const ReliabilityTerms& terms,
+                                const SceneAssessorOptions& options) noexcept {
+  if (terms.initial) return terms.current;
+  const auto share_term = [](double share, double power) {
+    return power == 0.0 ? 1.0 : std::pow(share, power);
+  };
+  return scene_reliability(terms.current, terms.residual_px, options.residual_scale_px,
+                           options.factor) *
+         share_term(terms.inlier_share, options.inlier_share_power) *
+         share_term(terms.dominance, options.dominance_power) *
+         share_term(terms.alive_share, options.alive_share_power);
+}
 
 /// One frame as the assessor takes it. Views are read during assess() only.
 struct SceneObservation {
@@ -103,18 +140,16 @@ struct SceneReport {
   Status status;  ///< not ok: the frame was refused and nothing was changed
   double reliability = std::numeric_limits<double>::quiet_NaN();  ///< R (Eq. 7)
   SceneClass scene_class = SceneClass::kBad;                      ///< Eq. 8
-  bool initial = false;  ///< judged without motion: one of the first frames, or no reference
-  DetectionConfidenceResult confidence;  ///< Eq. 2
-  SpatialDistributionResult spatial;     ///< Eq. 3
-  FeatureQualityResult feature;          ///< Eq. 4
-  DepthQualityResult depth;              ///< Eq. 5
-  CurrentReliabilityResult current;      ///< R_c (Eq. 1)
-  MotionResidualResult residual;         ///< Eq. 6
-  /// R_r as it enters Eq. 7 [px]: at least residual_scale_px when too few points are left.
-  double residual_px = 0.0;
-  double factor = 1.0;        ///< of Eq. 7
-  double inlier_share = 1.0;  ///< as it enters the reliability; 1 where it cannot be had
-  double alive_share = 1.0;
+  DetectionConfidenceResult confidence;                           ///< Eq. 2
+  SpatialDistributionResult spatial;                              ///< Eq. 3
+  FeatureQualityResult feature;                                   ///< Eq. 4
+  DepthQualityResult depth;                                       ///< Eq. 5
+  CurrentReliabilityResult current;                               ///< R_c (Eq. 1)
+  MotionResidualResult residual;                                  ///< Eq. 6
+  /// As they enter Eq. 7. The residual is at least residual_scale_px when too few points are left;
+  /// shares that cannot be had are 1.
+  ReliabilityTerms terms;
+  double factor = 1.0;             ///< of Eq. 7
   bool high_motion = false;        ///< residual_px above residual_scale_px
   std::uint64_t reference_id = 0;  ///< of this frame's tracks
   int reference_age_frames = 0;
@@ -134,13 +169,14 @@ struct SceneReport {
                                      format, values...);
       used = more < 0 ? more : used + more;
     };
-    if (initial) {
+    if (terms.initial) {
       add(" (initial)");
     } else {
-      add(" x factor %.3f (residual %.2f px, %s) x inliers %.2f x alive %.2f; reference %d frames "
+      add(" x factor %.3f (residual %.2f px, %s) x inliers %.2f x dominance %.2f, alive %.2f; "
+          "reference %d frames "
           "old",
-          factor, residual_px, to_string(residual.compensation), inlier_share, alive_share,
-          reference_age_frames);
+          factor, terms.residual_px, to_string(residual.compensation), terms.inlier_share,
+          terms.dominance, terms.alive_share, reference_age_frames);
     }
     const auto metric = [&](const char* name, const SceneMetric& value) {
       if (value.present) {
@@ -217,17 +253,19 @@ class SceneAssessor {
     if (!report.status.ok()) return report;
     measure(frame, &report);
     if (!report.status.ok()) return report;
-    report.initial = state_.policy.initializing() || !state_.policy.has_reference();
+    report.terms.initial = state_.policy.initializing() || !state_.policy.has_reference();
+    // Without any metric nothing speaks for a frame.
+    report.terms.current = report.current.status.ok() ? report.current.value : 0.0;
     report.reference_id = state_.policy.reference_id();
     report.reference_age_frames =
         state_.policy.has_reference() ? state_.policy.age_frames() + 1 : 0;
     const Pose T_odometry_predicted = state_.T_odometry_last * predicted_motion();
-    if (report.initial) {
-      report.reliability = current_or_zero(report);
+    if (report.terms.initial) {
       remember(frame.frame_id, T_odometry_predicted, false);
     } else {
       judge_motion(frame, T_odometry_predicted, &report);
     }
+    report.reliability = scene_reliability(report.terms, options_);
     report.scene_class = classify_scene(report.reliability, options_.threshold);
     name_weakest(&report);
 
@@ -235,7 +273,7 @@ class SceneAssessor {
     candidate.frame_id = frame.frame_id;
     candidate.current_reliability = report.current.value;
     candidate.good = report.scene_class == SceneClass::kGood;
-    if (!report.initial) {
+    if (!report.terms.initial) {
       candidate.alive_share = report.residual.alive_share;
       candidate.num_alive = report.residual.num_alive;
     }
@@ -279,11 +317,6 @@ class SceneAssessor {
                                           options_.current);
   }
 
-  /// Without any metric nothing speaks for a frame.
-  static double current_or_zero(const SceneReport& report) noexcept {
-    return report.current.status.ok() ? report.current.value : 0.0;
-  }
-
   Pose predicted_motion() const noexcept {
     return state_.has_velocity ? state_.T_last_before : Pose::Identity();
   }
@@ -302,31 +335,26 @@ class SceneAssessor {
     }
     const MotionResidualResult& residual = report->residual;
     const bool measured = residual.status.ok();
-    report->residual_px = measured ? residual.value_px : options_.residual_scale_px;
+    ReliabilityTerms& terms = report->terms;
+    terms.residual_px = measured ? residual.value_px : options_.residual_scale_px;
     // Points that were lost say nothing, and they are lost where motion is largest.
     if (residual.alive_share < options_.reference.min_alive_share ||
         residual.num_alive < options_.reference.min_alive_tracks) {
-      report->residual_px = std::max(report->residual_px, options_.residual_scale_px);
+      terms.residual_px = std::max(terms.residual_px, options_.residual_scale_px);
     }
-    report->high_motion = report->residual_px > options_.residual_scale_px;
+    terms.alive_share = residual.alive_share;
+    if (options_.residual.compensation != MotionCompensation::kNone) {
+      terms.inlier_share = measured ? residual.inlier_share : 0.0;
+      terms.dominance = measured ? residual.dominance : 0.0;
+    }
+    report->high_motion = terms.residual_px > options_.residual_scale_px;
     report->factor =
-        residual_factor(report->residual_px, options_.residual_scale_px, options_.factor);
-    report->alive_share = residual.alive_share;
-    if (residual.compensation != MotionCompensation::kNone) {
-      report->inlier_share = measured ? residual.inlier_share : 0.0;
-    }
-    report->reliability = current_or_zero(*report) * report->factor *
-                          share_term(report->inlier_share, options_.inlier_share_power) *
-                          share_term(report->alive_share, options_.alive_share_power);
+        residual_factor(terms.residual_px, options_.residual_scale_px, options_.factor);
     const bool has_pose = measured && residual.compensation == MotionCompensation::kRigid;
     remember(frame.frame_id,
              has_pose ? state_.T_odometry_reference * residual.motion.T_current_reference.inverse()
                       : T_odometry_predicted,
              has_pose);
-  }
-
-  static double share_term(double share, double power) noexcept {
-    return power == 0.0 ? 1.0 : std::pow(share, power);
   }
 
   static Pose orthonormalized(const Pose& pose) noexcept {
@@ -362,10 +390,11 @@ class SceneAssessor {
     if (weights.spatial_weight > 0.0) consider("spatial", report->spatial.metric.normalized());
     if (weights.feature_weight > 0.0) consider("feature", report->feature.metric.normalized());
     if (weights.depth_weight > 0.0) consider("depth", report->depth.metric.normalized());
-    if (report->initial) return;
+    if (report->terms.initial) return;
     consider("motion residual", report->factor);
-    if (options_.inlier_share_power > 0.0) consider("share of inliers", report->inlier_share);
-    if (options_.alive_share_power > 0.0) consider("share of tracks alive", report->alive_share);
+    if (options_.inlier_share_power > 0.0) consider("share of inliers", report->terms.inlier_share);
+    if (options_.alive_share_power > 0.0)
+      consider("share of tracks alive", report->terms.alive_share);
   }
 
   PinholeCamera camera_;
