@@ -264,6 +264,65 @@ TEST_F(CliRun, GivesTheSameBytesAgainAndWithOneThread) {
   EXPECT_EQ(one["config_hash"], json_of(output("two/summary.json"))["config_hash"]);
 }
 
+TEST_F(CliRun, JudgingScenesChangesNoPose) {
+  ASSERT_EQ(run({"--dataset", room(), "--output", "none", "--modules", "none"}).exit_code, 0);
+  ASSERT_EQ(run({"--dataset", room(), "--output", "judged", "--modules", "S"}).exit_code, 0);
+  for (const char* file : {"trajectory.txt", "trajectory_optimized.txt", "keyframes.txt"}) {
+    EXPECT_EQ(read_text(output("judged/") + file), read_text(output("none/") + file)) << file;
+  }
+  const auto column = [this](const std::string& name, const std::string& wanted) {
+    const std::vector<std::string> lines = lines_of(output(name) + "/frames.csv");
+    const std::vector<std::string> header = fields_of(lines.front());
+    const auto found = std::find(header.begin(), header.end(), wanted);
+    EXPECT_NE(found, header.end()) << wanted;
+    std::vector<std::string> values;
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+      const std::vector<std::string> fields = fields_of(lines[i]);
+      EXPECT_EQ(fields.size(), header.size()) << lines[i];
+      values.push_back(fields[static_cast<std::size_t>(found - header.begin())]);
+    }
+    return values;
+  };
+  // Nothing moves in the room but the camera.
+  for (const std::string& value : column("judged", "scene_class")) EXPECT_EQ(value, "GOOD");
+  for (const std::string& value : column("none", "scene_class")) EXPECT_EQ(value, "");
+  const std::vector<std::string> residuals = column("judged", "residual_px");
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    EXPECT_EQ(residuals[i].empty(), i < 5) << i;  // initial frames are judged without motion
+    if (i >= 5) {
+      EXPECT_LT(std::stod(residuals[i]), 3.0) << i;
+    }
+  }
+}
+
+TEST_F(CliRun, CalibrationIsReadByTheNextRun) {
+  const auto calibrate = [this](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "calibrate");
+    return run_program(arguments, folder_.path());
+  };
+  ProgramResult result = calibrate({"--dataset", room(), "--output", "own.yaml"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_TRUE(result.says("too few frames")) << result.err;
+  EXPECT_FALSE(fs::exists(folder_ / "own.yaml"));
+  result = calibrate({"--dataset", room(), room(), room(), room(), "--output", "own.yaml"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(fs::exists(folder_ / "own.png"));
+  PipelineOptions options;
+  ASSERT_TRUE(cli::read_pipeline_config(folder_ / "own.yaml", &options).ok());
+  EXPECT_GE(options.scene.assessor.residual_scale_px, 1.0);
+  EXPECT_GT(options.scene.assessor.threshold, 0.0);
+  EXPECT_EQ(run({"--dataset", room(), "--config", "own.yaml", "--output", "out"}).exit_code, 0);
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{"--output", "own.yaml"},
+                                             {"--dataset", room()},
+                                             {"--dataset", "absent", "--output", "own.yaml"},
+                                             {"--dataset", room(), "--output", "absent/own.yaml"},
+                                             {"--dataset", room(), "--output", "own.yaml",
+                                              "--residual-percentile", "101"}}) {
+    EXPECT_EQ(calibrate(wrong).exit_code, 2) << wrong.back();
+  }
+}
+
 TEST_F(CliRun, ChangedOptionsReachThePipeline) {
   write_text(folder_ / "few.yaml", "features.num_features: 200\ntracking.max_depth_m: 2.5\n");
   ASSERT_EQ(run({"--dataset", room(), "--output", "few", "--config", "few.yaml"}).exit_code, 0);
@@ -304,7 +363,7 @@ TEST_F(CliRun, RefusesBadInputsBeforeItWritesAnything) {
   expect_usage_error({"--dataset", room(), "--config", "config.yaml"},
                      {"config.yaml:2:", "features.num_features", "50 to 20000"});
   expect_usage_error({"--dataset", room(), "--modules", "S,X"}, {"unknown module 'X'"});
-  expect_usage_error({"--dataset", room(), "--modules", "S"}, {"known but not built"});
+  expect_usage_error({"--dataset", room(), "--modules", "S,D"}, {"known but not built"});
   expect_usage_error({"--dataset", room(), "--modules", "P"}, {"needs module 'S'"});
   expect_usage_error({"--dataset", room(), "--depth-scale", "0"}, {"--depth-scale"});
   expect_usage_error({"--dataset", room(), "--depth-scale", "-5"}, {"--depth-scale"});

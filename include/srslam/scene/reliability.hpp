@@ -38,7 +38,7 @@ struct SceneAssessorOptions {
   MotionResidualOptions residual;
   ReferenceOptions reference;
   ResidualFactorForm factor = ResidualFactorForm::kExponential;
-  double residual_scale_px = 10.0;  ///< R_cb, at the reference width; > 0
+  double residual_scale_px = 5.0;   ///< R_cb, at the reference width; > 0
   double threshold = 0.20;          ///< th_scene; finite, >= 0
   /// Powers with which these multiply Eq. 7; >= 0, 0 as printed: the share of tracks that move with
   /// the camera, its weight against the strongest other motion, and the share still followed.
