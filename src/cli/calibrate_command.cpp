@@ -20,11 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int refuse(const std::string& reason) {
-  std::cerr << "srslam: error: " << reason << std::endl;
-  return kExitUsage;
-}
-
 /// Adds the terms of every frame of one dataset. Returns an empty string or the reason.
 std::string judge_frames(const RunInputs& inputs, ProgressLine* progress,
                          std::vector<ReliabilityTerms>* terms) {
@@ -115,16 +110,17 @@ std::string summary_text(const CalibrationResult& result, const std::string& con
 }  // namespace
 
 int calibrate_command(const CalibrateSettings& settings) {
-  if (settings.output_file.empty()) return refuse("--output FILE is needed");
+  if (settings.output_file.empty()) return error_exit(kExitUsage, "--output FILE is needed");
   const fs::path output(settings.output_file);
   std::error_code error;
   if (output.has_parent_path() && !fs::is_directory(output.parent_path(), error)) {
-    return refuse("--output: the folder " + output.parent_path().string() + " does not exist");
+    return error_exit(kExitUsage,
+                      "--output: the folder " + output.parent_path().string() + " does not exist");
   }
   CalibrationOptions calibration = settings.calibration;
   if (settings.extremes) calibration.rule = CalibrationRule::kExtremes;
   const Status valid = calibration.validate();
-  if (!valid.ok()) return refuse(valid.reason);
+  if (!valid.ok()) return error_exit(kExitUsage, valid.reason);
 
   install_stop_signals();
   std::vector<ReliabilityTerms> terms;
@@ -141,7 +137,7 @@ int calibrate_command(const CalibrateSettings& settings) {
     RunInputs inputs;
     std::string reason = load_run_inputs(run, &inputs);
     if (reason.empty()) reason = judge_frames(inputs, &progress, &terms);
-    if (!reason.empty()) return refuse(reason);
+    if (!reason.empty()) return error_exit(kExitUsage, reason);
     if (requested_stop_signal() != 0) {
       progress.finish();
       std::cerr << "srslam: error: interrupted; nothing was written" << std::endl;

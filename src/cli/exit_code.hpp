@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 namespace srslam::cli {
 
 /// What the program tells the shell; part of its interface (docs/program.md).
@@ -9,5 +11,8 @@ enum ExitCode : int {
   kExitUsage = 2,         ///< the command line or an input is wrong; nothing was run
   kExitSignalBase = 128,  ///< plus the signal: ended early, everything so far is written
 };
+
+/// Says on standard error why the program ends. Returns `code`.
+int error_exit(ExitCode code, const std::string& reason);
 
 }  // namespace srslam::cli

@@ -232,22 +232,17 @@ class Run {
   RunResult result_;
 };
 
-int usage_error(const std::string& reason) {
-  std::cerr << "srslam: error: " << reason << std::endl;
-  return kExitUsage;
-}
-
 }  // namespace
 
 int run_command(const RunSettings& settings) {
   install_stop_signals();
   RunInputs inputs;
   const std::string reason = load_run_inputs(settings, &inputs);
-  if (!reason.empty()) return usage_error(reason);
+  if (!reason.empty()) return error_exit(kExitUsage, reason);
   if (!settings.quiet) std::cout << describe_run_inputs(inputs) << std::flush;
   Run run(inputs, !settings.without_report, settings.quiet);
   const FileStatus opened = run.open();
-  if (!opened.ok()) return usage_error(opened.message());
+  if (!opened.ok()) return error_exit(kExitUsage, opened.message());
   return run.execute();
 }
 

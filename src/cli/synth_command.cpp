@@ -24,17 +24,13 @@ int print_scenarios() {
   return std::cout.flush() ? kExitOk : kExitFailure;
 }
 
-int refuse(const std::string& reason) {
-  std::cerr << "srslam: error: " << reason << "\n";
-  return kExitUsage;
-}
-
 }  // namespace
 
 int synth_command(const SynthSettings& settings) {
   if (settings.list) return print_scenarios();
-  if (settings.scenario.empty()) return refuse("--scenario NAME is needed; --list names them");
-  if (settings.output_folder.empty()) return refuse("--output DIR is needed");
+  if (settings.scenario.empty())
+    return error_exit(kExitUsage, "--scenario NAME is needed; --list names them");
+  if (settings.output_folder.empty()) return error_exit(kExitUsage, "--output DIR is needed");
   SyntheticOptions options;
   options.scenario = settings.scenario;
   options.seed = settings.seed;
@@ -42,10 +38,10 @@ int synth_command(const SynthSettings& settings) {
   options.sensor = settings.sensor;
   FileStatus status =
       synthetic_camera(settings.camera, settings.width_px, settings.height_px, &options.camera);
-  if (!status.ok()) return refuse(status.message());
+  if (!status.ok()) return error_exit(kExitUsage, status.message());
   SyntheticWorld world;
   status = world.create(options);
-  if (!status.ok()) return refuse(status.message());
+  if (!status.ok()) return error_exit(kExitUsage, status.message());
 
   install_stop_signals();
   ProgressLine progress(!settings.quiet);

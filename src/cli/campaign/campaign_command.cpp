@@ -27,11 +27,6 @@ namespace fs = std::filesystem;
 /// The program itself, also after its file was replaced.
 constexpr const char* kThisProgram = "/proc/self/exe";
 
-int error_exit(int code, const std::string& reason) {
-  std::cerr << "srslam: error: " << reason << std::endl;
-  return code;
-}
-
 std::size_t default_parallel() {
   return std::max<std::size_t>(1, std::thread::hardware_concurrency() / 2);
 }
