@@ -312,13 +312,12 @@ TEST_F(CliRun, CalibrationIsReadByTheNextRun) {
   EXPECT_GE(options.scene.assessor.residual_scale_px, 1.0);
   EXPECT_GT(options.scene.assessor.threshold, 0.0);
   EXPECT_EQ(run({"--dataset", room(), "--config", "own.yaml", "--output", "out"}).exit_code, 0);
-  for (const std::vector<std::string>& wrong :
-       std::vector<std::vector<std::string>>{{"--output", "own.yaml"},
-                                             {"--dataset", room()},
-                                             {"--dataset", "absent", "--output", "own.yaml"},
-                                             {"--dataset", room(), "--output", "absent/own.yaml"},
-                                             {"--dataset", room(), "--output", "own.yaml",
-                                              "--residual-percentile", "101"}}) {
+  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+           {"--output", "own.yaml"},
+           {"--dataset", room()},
+           {"--dataset", "absent", "--output", "own.yaml"},
+           {"--dataset", room(), "--output", "absent/own.yaml"},
+           {"--dataset", room(), "--output", "own.yaml", "--residual-percentile", "101"}}) {
     EXPECT_EQ(calibrate(wrong).exit_code, 2) << wrong.back();
   }
 }

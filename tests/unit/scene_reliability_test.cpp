@@ -290,6 +290,24 @@ TEST(SceneAssessor, StarvationAndBlindnessMakeAFrameBad) {
   EXPECT_STREQ(blind.weakest, "depth");
 }
 
+TEST(SceneAssessor, AMotionSeenOnPeopleAloneIsNotTrusted) {
+  AssessedStream stream;
+  stream.start();
+  FlowScene scene;
+  std::vector<FlowTrack> tracks = scene.tracks();
+  const double before = stream.next(tracks).reliability;
+  // The same motion everywhere, but all of it on somebody before the camera.
+  for (FlowTrack& track : tracks) track.current.suspect = true;
+  const SceneReport covered = stream.next(tracks);
+  EXPECT_EQ(covered.terms.background_share, 0.0);
+  EXPECT_EQ(covered.reliability, 0.0);
+  EXPECT_STREQ(covered.weakest, "share of background");
+  for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].current.suspect = i % 4 != 0;
+  EXPECT_NEAR(stream.next(tracks).terms.background_share, 0.25, 0.02);
+  for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].current.suspect = i % 3 == 0;
+  EXPECT_NEAR(stream.next(tracks).reliability, before, 1e-3);
+}
+
 TEST(SceneAssessor, LostTracksRaiseTheResidualToTheScale) {
   AssessedStream stream;
   stream.start();

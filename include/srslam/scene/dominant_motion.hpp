@@ -100,6 +100,7 @@ struct DominantMotionResult {
   double inlier_share = 0.0;                    ///< of the usable tracks
   double inlier_limit_px = 0.0;                 ///< distance that made an inlier, in this image
   double rival_share = 0.0;                     ///< largest support of a motion not chosen
+  double background_share = 1.0;                ///< of the inliers that are on no movable object
   double certainty = 0.0;                       ///< 1: no rival; 0: another motion scores the same
   int num_motions = 0;
   int chosen = 0;                               ///< index in `candidates`
@@ -434,8 +435,9 @@ inline void activate_all(DominantMotionWorkspace* w) {
 
 /// Usable tracks within `limit_px` of a motion.
 template <typename Model>
-void count_inliers(const Model& model, const typename Model::Parameters& motion, float limit_px,
-                   DominantMotionWorkspace* w, DominantMotionResult* result) {
+void count_inliers(const Model& model, const typename Model::Parameters& motion,
+                   ArrayView<const FlowTrack> tracks, float limit_px, DominantMotionWorkspace* w,
+                   DominantMotionResult* result) {
   activate_all(w);
   w->squared_error_px2.resize(w->track.size());
   model.squared_errors(motion, *w, w->active, w->squared_error_px2.data());
@@ -444,6 +446,15 @@ void count_inliers(const Model& model, const typename Model::Parameters& motion,
   result->num_inliers = static_cast<int>(
       std::count_if(w->squared_error_px2.begin(), w->squared_error_px2.end(), within));
   result->inlier_share = double(result->num_inliers) / result->num_usable;
+  int num_undetected = 0;
+  for (std::size_t i = 0; i < w->track.size(); ++i) {
+    const FlowTrack& track = tracks[static_cast<std::size_t>(w->track[i])];
+    if (within(w->squared_error_px2[i]) && !track.reference.suspect && !track.current.suspect) {
+      ++num_undetected;
+    }
+  }
+  result->background_share =
+      result->num_inliers > 0 ? double(num_undetected) / result->num_inliers : 0.0;
   result->status = Status::success();
 }
 
@@ -552,7 +563,7 @@ void choose_motion(const Model& model, ArrayView<const FlowTrack> tracks, double
   const double best_score = result->candidates[best].score;
   result->certainty = best_score > 0.0 ? 1.0 - second_score / best_score : 0.0;
   // Tracks of other motions may agree with the chosen one, too.
-  count_inliers(model, *chosen, limit_px, w, result);
+  count_inliers(model, *chosen, tracks, limit_px, w, result);
 }
 
 inline void clear_tracks(std::size_t capacity, DominantMotionWorkspace* w) {
@@ -640,8 +651,8 @@ inline DominantMotionResult rigid_motion_support(ArrayView<const FlowTrack> trac
   }
   result.inlier_limit_px = double(detail::inlier_limit_px(
       tracks, double(camera.width_px) / options.reference_width_px, options, workspace));
-  detail::count_inliers(model, T_current_reference, float(result.inlier_limit_px), workspace,
-                        &result);
+  detail::count_inliers(model, T_current_reference, tracks, float(result.inlier_limit_px),
+                        workspace, &result);
   result.certainty = 1.0;
   return result;
 }

@@ -38,8 +38,12 @@ struct SceneAssessorOptions {
   MotionResidualOptions residual;
   ReferenceOptions reference;
   ResidualFactorForm factor = ResidualFactorForm::kExponential;
-  double residual_scale_px = 5.0;   ///< R_cb, at the reference width; > 0
-  double threshold = 0.20;          ///< th_scene; finite, >= 0
+  double residual_scale_px = 5.0;  ///< R_cb, at the reference width; > 0
+  double threshold = 0.20;         ///< th_scene; finite, >= 0
+  /// When a smaller share than this of the tracks with the camera's motion lies outside the boxes
+  /// of movable objects, the motion may be theirs and the reliability falls in proportion, to 0
+  /// when they cover everything. [0, 1], 0: not asked
+  double min_background_share = 0.5;
   /// Powers with which these multiply Eq. 7; >= 0, 0 as printed: the share of tracks that move with
   /// the camera, its weight against the strongest other motion, and the share still followed.
   double inlier_share_power = 1.0;
@@ -60,6 +64,10 @@ struct SceneAssessorOptions {
     if (!(threshold >= 0.0) || !std::isfinite(threshold)) {
       return Status::failure(StatusCode::kInvalidArgument,
                              "threshold must be finite and not negative");
+    }
+    if (!(min_background_share >= 0.0) || min_background_share > 1.0) {
+      return Status::failure(StatusCode::kInvalidArgument,
+                             "min_background_share must be in [0, 1]");
     }
     if (!power(inlier_share_power) || !power(dominance_power) || !power(alive_share_power)) {
       return Status::failure(StatusCode::kInvalidArgument,
@@ -88,6 +96,7 @@ struct SceneAssessorOptions {
     options.residual_scale_px = 60.0;
     options.reference.min_age_frames = 1;
     options.reference.max_age_frames = 30;
+    options.min_background_share = 0.0;
     options.inlier_share_power = 0.0;
     options.dominance_power = 0.0;
     options.alive_share_power = 0.0;
@@ -100,7 +109,8 @@ struct ReliabilityTerms {
   double current = 0.0;      ///< Eq. 1
   double residual_px = 0.0;  ///< Eq. 6, at the reference width
   double inlier_share = 1.0;
-  double dominance = 1.0;  ///< see MotionResidualResult
+  double dominance = 1.0;         ///< see MotionResidualResult
+  double background_share = 1.0;  ///< of the inliers, outside boxes of movable objects
   double alive_share = 1.0;
   bool initial = false;  ///< judged without motion: the other terms do not count
 };
@@ -116,7 +126,10 @@ inline double scene_reliability(const ReliabilityTerms& terms,
                            options.factor) *
          share_term(terms.inlier_share, options.inlier_share_power) *
          share_term(terms.dominance, options.dominance_power) *
-         share_term(terms.alive_share, options.alive_share_power);
+         share_term(terms.alive_share, options.alive_share_power) *
+         (terms.background_share < options.min_background_share
+              ? terms.background_share / options.min_background_share
+              : 1.0);
 }
 
 /// One frame as the assessor takes it. Views are read during assess() only.
@@ -346,6 +359,7 @@ class SceneAssessor {
     if (options_.residual.compensation != MotionCompensation::kNone) {
       terms.inlier_share = measured ? residual.inlier_share : 0.0;
       terms.dominance = measured ? residual.dominance : 0.0;
+      terms.background_share = measured ? residual.motion.background_share : 0.0;
     }
     report->high_motion = terms.residual_px > options_.residual_scale_px;
     report->factor =
@@ -393,6 +407,9 @@ class SceneAssessor {
     if (report->terms.initial) return;
     consider("motion residual", report->factor);
     if (options_.inlier_share_power > 0.0) consider("share of inliers", report->terms.inlier_share);
+    if (report->terms.background_share < options_.min_background_share) {
+      consider("share of background", report->terms.background_share);
+    }
     if (options_.alive_share_power > 0.0)
       consider("share of tracks alive", report->terms.alive_share);
   }

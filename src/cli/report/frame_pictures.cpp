@@ -90,6 +90,8 @@ std::string legend(bool has_masks) {
          "</p>\n";
 }
 
+constexpr double kNoReliability = 2.0;  // above every reliability
+
 std::string caption(const FrameRecord& record, const std::string& reason, double begin_s,
                     const std::map<double, double>& errors_m) {
   std::string text = "frame " + std::to_string(record.index) + ", " +
@@ -98,6 +100,10 @@ std::string caption(const FrameRecord& record, const std::string& reason, double
                      " inliers of " + std::to_string(record.num_features) + " features";
   const auto error = errors_m.find(record.timestamp_s);
   if (error != errors_m.end()) text += ", error " + fixed_text(error->second, 4) + " m";
+  if (record.is_good && record.reliability) {
+    text += std::string(", ") + (*record.is_good ? "GOOD" : "BAD") + " scene, reliability " +
+            fixed_text(*record.reliability, 2);
+  }
   return reason.empty() ? text : text + " (" + reason + ")";
 }
 
@@ -128,6 +134,15 @@ std::vector<ChosenFrame> choose_frames(const RunResult& result, std::size_t max_
     worst = i;
   }
   if (worst_m >= 0.0 && max_frames > 0) chosen[worst] = "largest error";
+  const auto least_reliable = std::min_element(
+      result.records.begin(), result.records.end(), [](const FrameRecord& a, const FrameRecord& b) {
+        return a.reliability.value_or(kNoReliability) < b.reliability.value_or(kNoReliability);
+      });
+  if (least_reliable != result.records.end() && least_reliable->reliability &&
+      chosen.size() < max_frames) {
+    chosen.emplace(static_cast<std::size_t>(least_reliable - result.records.begin()),
+                   "least reliable scene");
+  }
   std::size_t num_lost = 0;
   for (const auto& [first, length] : lost_spans(result)) {
     if (num_lost == kMaxLostFrames || chosen.size() >= max_frames) break;
