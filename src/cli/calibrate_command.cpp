@@ -56,18 +56,15 @@ std::string distribution_data(const std::string& name, const std::vector<double>
 std::string distribution_panel(const PlotBox& box, const std::string& title,
                                const std::string& label, const std::string& data, double chosen,
                                const std::string& chosen_label) {
+  constexpr const char* kChosenColor = "#b2377a";
   const std::string at = shortest_text(chosen);
   return gnuplot_box(box, title) + "set xlabel " + gnuplot_quoted(label) +
-         "\nset ylabel 'frames up to this [%]'\nset yrange [0:102]\nset xrange [0:*]\n"
-         "set key off\nunset arrow\nunset label\nset grid\n"
-         "set arrow from " +
-         at + ", graph 0 to " + at +
-         ", graph 1 nohead lw 2 dt 2 "
-         "lc rgb '#b2377a'\nset label " +
-         gnuplot_quoted(chosen_label) + " at " + at +
-         ", graph 0.5 offset 1,0 textcolor rgb '#b2377a'\n"
-         "plot $" +
-         data + " using 1:2 with steps lw 2 lc rgb '#1f4e9c'\n";
+         "\nset ylabel 'frames up to this [%]'\nset yrange [0:102]\nset xrange [0:*]\n" +
+         "set key off\nunset arrow\nset grid\nset arrow from " + at + ", graph 0 to " + at +
+         ", graph 1 nohead lw 2 dt 2 lc rgb '" + kChosenColor + "'\nset label 2 " +
+         gnuplot_quoted("dashed: " + chosen_label) + " at graph 0.4, graph 0.15 textcolor rgb '" +
+         kChosenColor + "'\nplot $" + data + " using 1:2 with steps lw 2 lc rgb '#1f4e9c'\n" +
+         "unset label 2\n";
 }
 
 FileStatus write_picture(const CalibrationResult& result, const std::string& file) {
@@ -79,10 +76,10 @@ FileStatus write_picture(const CalibrationResult& result, const std::string& fil
       distribution_panel({0.07, 0.48, 0.16, 0.88},
                          "Motion residual of " + std::to_string(result.num_frames) + " frames",
                          "R_r [px at 640 px width]", "residuals", result.residual_scale_px,
-                         "R_{cb} = " + fixed_text(result.residual_scale_px, 2) + " px") +
+                         "R_cb = " + fixed_text(result.residual_scale_px, 2) + " px") +
       distribution_panel({0.57, 0.98, 0.16, 0.88}, "Their reliability with that scale", "R",
                          "reliabilities", result.threshold,
-                         "th_{scene} = " + fixed_text(result.threshold, 3)) +
+                         "th_scene = " + fixed_text(result.threshold, 3)) +
       "unset multiplot\n";
   std::vector<std::string> contents;
   const FileStatus drawn =

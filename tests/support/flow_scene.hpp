@@ -54,12 +54,14 @@ struct FlowScene {
       track.reference.v_px = float(rng.uniform(1.0, camera.height_px - 2.0));
       track.reference.depth_m = float(moves ? rng.uniform(1.0, 1.3) : rng.uniform(1.6, 4.5));
       track.reference.suspect = moves && rng.uniform(0.0, 1.0) < detected_share;
-      Eigen::Vector3d point_m;
-      camera.unproject({double(track.reference.u_px), double(track.reference.v_px)},
-                       double(track.reference.depth_m), &point_m);
+      Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+      if (!camera.unproject({double(track.reference.u_px), double(track.reference.v_px)},
+                            double(track.reference.depth_m), &point_m)) {
+        continue;
+      }
       if (moves) point_m = T_mover * point_m;
       point_m = T_current_reference * point_m;
-      Eigen::Vector2d pixel;
+      Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
       if (!camera.project(point_m, &pixel)) continue;
       track.current.u_px = float(pixel.x() + rng.uniform(-noise_px, noise_px));
       track.current.v_px = float(pixel.y() + rng.uniform(-noise_px, noise_px));

@@ -59,6 +59,22 @@ const PipelineOption& option_named(const std::string& key) {
   return pipeline_option_table().front();
 }
 
+/// Another value of this option, in its range or not.
+void change(const PipelineOption& option, PipelineOptions* options) {
+  if (const auto* choice = std::get_if<ChoiceOption>(&option.value)) {
+    choice->set(*options, (choice->get(*options) + 1) % static_cast<int>(choice->names.size()));
+    return;
+  }
+  std::visit(
+      [options](const auto& value) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(value)>, ChoiceOption>) {
+          auto& field = value.field(*options);
+          field = static_cast<std::decay_t<decltype(field)>>(field + 1);
+        }
+      },
+      option.value);
+}
+
 class ConfigFile : public testing::Test {
  protected:
   FileStatus read(const std::string& text) {
@@ -88,11 +104,14 @@ TEST(PipelineOptionTable, HoldsEveryFieldOfTheOptions) {
   EXPECT_EQ(count_keys("tracking."), count_members<TrackingOptions>()) << message;
   EXPECT_EQ(count_keys("keyframes."), count_members<KeyframeOptions>()) << message;
   EXPECT_EQ(count_keys("mapping."), count_members<MappingOptions>()) << message;
-  // The four groups and num_threads.
-  EXPECT_EQ(count_members<PipelineOptions>(), 5U) << message;
+  // The five groups and num_threads.
+  EXPECT_EQ(count_members<PipelineOptions>(), 6U) << message;
+  // Of module S those that somebody who runs the program has a use for.
+  EXPECT_EQ(count_keys("scene."), scene_option_table().size());
   EXPECT_EQ(pipeline_option_table().size(),
             count_members<FeatureOptions>() + count_members<TrackingOptions>() +
-                count_members<KeyframeOptions>() + count_members<MappingOptions>() + 1)
+                count_members<KeyframeOptions>() + count_members<MappingOptions>() +
+                scene_option_table().size() + 1)
       << message;
 }
 
@@ -108,17 +127,20 @@ TEST(PipelineOptionTable, EveryKeyLeadsToAFieldOfItsOwn) {
   // A slip in an accessor would let two keys share a field: then setting one changes two values.
   for (const PipelineOption& option : pipeline_option_table()) {
     PipelineOptions options;
-    std::visit(
-        [&options](const auto& value) {
-          auto& field = value.field(options);
-          field = static_cast<std::decay_t<decltype(field)>>(field + 1);
-        },
-        option.value);
+    change(option, &options);
     for (const PipelineOption& other : pipeline_option_table()) {
       const bool changed = value_text(other, options) != value_text(other, {});
       EXPECT_EQ(changed, &other == &option) << option.key << " and " << other.key;
     }
   }
+}
+
+TEST_F(ConfigFile, ChoicesAreReadByName) {
+  ASSERT_TRUE(read("scene.factor: rational\nscene.compensation: none\n").ok());
+  EXPECT_EQ(options_.scene.assessor.factor, ResidualFactorForm::kRational);
+  EXPECT_EQ(options_.scene.assessor.residual.compensation, MotionCompensation::kNone);
+  expect_refused("num_threads: 1\nscene.factor: steep\n", 2,
+                 "expected one of exponential, rational, clip, linear, literal");
 }
 
 TEST(PipelineOptionTable, DefaultsLieInTheRanges) {
@@ -246,12 +268,7 @@ TEST(ConfigHash, IsStableAndFollowsWhatCanChangeTheResult) {
   std::set<std::string> hashes = {hash};
   for (const PipelineOption& option : pipeline_option_table()) {
     PipelineOptions options;
-    std::visit(
-        [&options](const auto& value) {
-          auto& field = value.field(options);
-          field = static_cast<std::decay_t<decltype(field)>>(field + 1);
-        },
-        option.value);
+    change(option, &options);
     if (option.affects_result) {
       EXPECT_TRUE(hashes.insert(config_hash(options)).second) << option.key;
     } else {
