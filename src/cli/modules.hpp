@@ -21,6 +21,7 @@ const std::vector<Module>& known_modules();
 struct ModuleSelection {
   std::string letters;
 
+  bool has(char letter) const { return letters.find(letter) != std::string::npos; }
   /// `none`, or the letters separated by commas, as `--modules` takes them.
   std::string text() const;
 };

@@ -105,7 +105,7 @@ std::string load_options(const RunSettings& settings, RunInputs* inputs) {
     const FileStatus status = read_pipeline_config(settings.config_file, &inputs->options);
     if (!status.ok()) return status.message();
   }
-  inputs->options.scene.enabled = inputs->modules.letters.find('S') != std::string::npos;
+  inputs->options.scene.enabled = inputs->modules.has('S');
   if (settings.num_threads) inputs->options.num_threads = *settings.num_threads;
   const Status valid = inputs->options.validate();
   return valid.ok() ? std::string() : std::string("pipeline options: ") + valid.reason;
@@ -178,7 +178,7 @@ std::string describe_run_inputs(const RunInputs& inputs) {
     text += kNone;
   } else {
     text += inputs.detections_file + ", " + std::to_string(inputs.detections.size()) + " frames";
-    if (inputs.modules.letters.empty()) text += " (the baseline does not mask by them)";
+    if (!inputs.modules.has('D')) text += " (these modules do not mask by them)";
   }
   text += "\nground truth: ";
   if (inputs.groundtruth_file.empty()) {

@@ -194,7 +194,7 @@ std::string summary_json_text(const RunInputs& inputs, const RunResult& result) 
                            ? Json(nullptr)
                            : Json{{"file", inputs.detections_file},
                                   {"frames", inputs.detections.size()},
-                                  {"used_for_masking", !inputs.modules.letters.empty()}};
+                                  {"used_for_masking", inputs.modules.has('D')}};
   json["frames"] = frames_json(inputs, result);
   json["first_depth_image"] = first_depth_json(result);
   json["keyframes_in_map"] = result.keyframes.size();

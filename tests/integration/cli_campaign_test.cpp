@@ -46,8 +46,8 @@ class CliCampaign : public testing::Test {
   }
 
   std::vector<std::string> full_words(const std::string& output) const {
-    return words(output, {"--suite", *data_ / "suite", "--repeats", "2", "--max-frames", "5",
-                          "--jobs", "2"});
+    return words(output, {"--suite", *data_ / "suite", "--variants", "baseline", "--repeats", "2",
+                          "--max-frames", "5", "--jobs", "2"});
   }
 
   ProgramResult run(const std::vector<std::string>& arguments) const {
@@ -147,7 +147,8 @@ TEST_F(CliCampaign, RefusesWhatDoesNotFit) {
   expect_usage(words("out", {"--suite", *data_ / "suite", "--variants", "baseline,SP"}),
                "variant 'SP': ");
   EXPECT_FALSE(fs::exists(folder_ / "out")) << "nothing was written";
-  const std::vector<std::string> plan = words("out", {"--suite", *data_ / "suite", "--plan"});
+  const std::vector<std::string> plan =
+      words("out", {"--suite", *data_ / "suite", "--variants", "baseline", "--plan"});
   EXPECT_EQ(run(plan).exit_code, 0);
   EXPECT_EQ(run(plan).exit_code, 0) << "again, the same";
   expect_usage(full_words("out"),

@@ -191,7 +191,7 @@ TEST_F(CliRun, TracksTheRoomAndWritesEverything) {
   EXPECT_EQ(summary["association"]["num_color"], kNumFrames);
   EXPECT_EQ(summary["camera"]["depth_units_per_m"], 5000.0);
   EXPECT_EQ(summary["camera"]["width_px"], 320);
-  EXPECT_EQ(summary["modules"], "none");
+  EXPECT_EQ(summary["modules"], "S");
   EXPECT_EQ(summary["detections"]["frames"], kNumFrames);
   EXPECT_EQ(summary["detections"]["used_for_masking"], false);
   EXPECT_EQ(summary["first_depth_image"]["plausible"], true);
@@ -232,7 +232,7 @@ TEST_F(CliRun, TracksTheRoomAndWritesEverything) {
   }
 
   // What was found rather than asked for is said; progress goes to the standard error alone.
-  for (const char* part : {"camera.yaml", "detections.txt", "groundtruth.txt", "does not mask"}) {
+  for (const char* part : {"camera.yaml", "detections.txt", "groundtruth.txt", "do not mask"}) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part << " is not in: " << result.out;
   }
   EXPECT_NE(result.out.find("16 of 16 (100.0 %)"), std::string::npos) << result.out;

@@ -246,7 +246,8 @@ TEST_F(ConfigFile, RefusesWhatThePipelineRefuses) {
       // Bounds that follow from another option are not the table's business.
       if (!valid.ok() && reason.find("at least tracking.") == std::string::npos &&
           reason.find("features.fast_threshold") == std::string::npos &&
-          reason.find("min_depth_m < max_depth_m") == std::string::npos) {
+          reason.find("min_depth_m < max_depth_m") == std::string::npos &&
+          reason.find("must not be below min_age_frames") == std::string::npos) {
         ADD_FAILURE() << option.key << " = " << value << ": " << reason;
       }
     };

@@ -173,38 +173,30 @@ struct SceneReport {
 
   /// Everything in one line.
   std::string line() const {
-    char text[512];
-    int used = std::snprintf(text, sizeof(text), "%s R %.3f = R_c %.3f", to_string(scene_class),
-                             reliability, current.value);
-    const auto add = [&](const char* format, auto... values) {
-      if (used < 0 || used >= static_cast<int>(sizeof(text))) return;
-      const int more = std::snprintf(text + used, sizeof(text) - static_cast<std::size_t>(used),
-                                     format, values...);
-      used = more < 0 ? more : used + more;
-    };
+    std::string text = std::string(to_string(scene_class)) + " R" + number(reliability) + " = R_c" +
+                       number(current.value);
     if (terms.initial) {
-      add(" (initial)");
+      text += " (initial)";
     } else {
-      add(" x factor %.3f (residual %.2f px, %s) x inliers %.2f x dominance %.2f, alive %.2f; "
-          "reference %d frames "
-          "old",
-          factor, terms.residual_px, to_string(residual.compensation), terms.inlier_share,
-          terms.dominance, terms.alive_share, reference_age_frames);
+      text += " x factor" + number(factor) + " (residual" + number(terms.residual_px) + " px, " +
+              to_string(residual.compensation) + ") x inliers" + number(terms.inlier_share) +
+              " x dominance" + number(terms.dominance) + "; background" +
+              number(terms.background_share) + ", alive" + number(terms.alive_share) +
+              ", reference " + std::to_string(reference_age_frames) + " frames old";
     }
-    const auto metric = [&](const char* name, const SceneMetric& value) {
-      if (value.present) {
-        add(" %s %.2f", name, value.normalized());
-      } else {
-        add(" %s -", name);
-      }
-    };
-    add(";");
-    metric("confidence", confidence.metric);
-    metric("spatial", spatial.metric);
-    metric("feature", feature.metric);
-    metric("depth", depth.metric);
-    add("; weakest: %s", weakest);
-    return text;
+    text += "; confidence" + number(confidence.metric.normalized()) + " spatial" +
+            number(spatial.metric.normalized()) + " feature" + number(feature.metric.normalized()) +
+            " depth" + number(depth.metric.normalized());
+    return text + "; weakest: " + weakest;
+  }
+
+ private:
+  /// A blank and three decimals, or a dash for what is absent.
+  static std::string number(double value) {
+    if (!std::isfinite(value)) return " -";
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), " %.3f", value);
+    return text.data();
   }
 };
 
