@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <iostream>
 #include <opencv2/calib3d.hpp>
@@ -148,8 +149,8 @@ class PlainTracker {
 };
 
 /// One assessor with its tracker, for one greatest age of the reference.
-struct Stream {
-  Stream(const PinholeCamera& camera, const LucasKanadeOptions& flow, int max_age)
+struct AssessedStream {
+  AssessedStream(const PinholeCamera& camera, const LucasKanadeOptions& flow, int max_age)
       : tracker(flow), assessor(camera, options_for(max_age)) {}
 
   static SceneAssessorOptions options_for(int max_age) {
@@ -170,9 +171,7 @@ void write_residual(const MotionResidualResult& residual, std::ostream& out) {
       << ',' << residual.motion.rival_share;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int probe(int argc, char** argv) {
   CLI::App app{"How well the terms of the reliability predict that feature-based tracking fails"};
   srslam::cli::RunSettings settings;
   std::string output;
@@ -213,7 +212,7 @@ int main(int argc, char** argv) {
   srslam::detail::OrbExtractor extractor{srslam::FeatureOptions{}};
   srslam::detail::OrbFeatures features;
   PlainTracker plain(camera);
-  std::vector<Stream> streams;
+  std::vector<AssessedStream> streams;
   streams.reserve(max_ages.size());
   for (const int max_age : max_ages) streams.emplace_back(camera, flow, max_age);
 
@@ -256,7 +255,7 @@ int main(int argc, char** argv) {
 
     out << i << ',' << plain.error_m(features, depth_m, truth[i]) << ',' << detections.size();
     for (std::size_t s = 0; s < streams.size(); ++s) {
-      Stream& stream = streams[s];
+      AssessedStream& stream = streams[s];
       stream.tracker.push(i + 1, gray, points);
       SceneObservation observation;
       observation.frame_id = i + 1;
@@ -301,4 +300,15 @@ int main(int argc, char** argv) {
     return 1;
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return probe(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "reliability_probe: " << error.what() << '\n';
+    return 1;
+  }
 }
