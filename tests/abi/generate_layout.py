@@ -73,6 +73,19 @@ def read_types(text):
     return types
 
 
+def public_text(text):
+    """The lines that stand in namespace srslam itself, not in one within it."""
+    lines, namespaces = [], []
+    for line in text.splitlines():
+        if NAMESPACE.match(line):
+            namespaces.append(NAMESPACE.match(line).group(1))
+        elif NAMESPACE_END.match(line):
+            namespaces.pop()
+        elif namespaces == ["srslam"]:
+            lines.append(strip_comment(line))
+    return "\n".join(lines)
+
+
 def instantiations(name, texts):
     """Arguments that a template of one argument is used with, other than its own parameter."""
     arguments = set()
@@ -87,6 +100,7 @@ def main(arguments):
     folder, output, roots = pathlib.Path(arguments[0]), pathlib.Path(arguments[1]), arguments[2:]
     headers = include_closure(folder, roots)
     texts = [(folder / header).read_text(encoding="utf-8") for header in headers]
+    public = [public_text(text) for text in texts]
     types = [entry for text in texts for entry in read_types(text)]
     lines = ["#ifdef SRSLAM_LAYOUT_INCLUDES"]
     lines += [f'#include "{header}"' for header in headers]
@@ -94,7 +108,7 @@ def main(arguments):
     for name, is_template, fields in types:
         full_names = [name]
         if is_template:
-            full_names = [f"{name}<{argument}>" for argument in instantiations(name, texts)]
+            full_names = [f"{name}<{argument}>" for argument in instantiations(name, public)]
         for full_name in full_names:
             lines.append(f"SRSLAM_LAYOUT_TYPE({full_name}),")
             lines += [f"SRSLAM_LAYOUT_FIELD({full_name}, {field})," for field in fields]
