@@ -12,7 +12,6 @@
 #include "cli/run_inputs.hpp"
 #include "cli/stop_signal.hpp"
 #include "cli/text_file.hpp"
-#include "srslam/io/detections_file.hpp"
 #include "srslam/pipeline/reference_pipeline.hpp"
 
 namespace srslam::cli {
@@ -147,17 +146,14 @@ int calibrate_command(const CalibrateSettings& settings) {
   const CalibrationResult result =
       calibrate_reliability(terms, options.scene.assessor, calibration);
   if (!result.status.ok()) {
-    std::cerr << "srslam: error: " << result.status.reason << " (" << result.num_frames
-              << "; needed: " << calibration.min_frames << ")" << std::endl;
-    return kExitFailure;
+    return error_exit(kExitFailure,
+                      std::string(result.status.reason) + " (" + std::to_string(result.num_frames) +
+                          "; needed: " + std::to_string(calibration.min_frames) + ")");
   }
   options.scene.assessor.residual_scale_px = result.residual_scale_px;
   options.scene.assessor.threshold = result.threshold;
   const FileStatus written = write_file_atomically(settings.output_file, config_file_text(options));
-  if (!written.ok()) {
-    std::cerr << "srslam: error: " << written.message() << std::endl;
-    return kExitFailure;
-  }
+  if (!written.ok()) return error_exit(kExitFailure, written.message());
   const std::string picture_file = fs::path(output).replace_extension(".png").string();
   const FileStatus picture = write_picture(result, picture_file);
   if (!picture.ok()) {

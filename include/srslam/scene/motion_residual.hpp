@@ -105,7 +105,12 @@ class ResidualSums {
 
   void finish(double px_scale, CellMean cell_mean, MotionResidualResult* result) const noexcept {
     result->num_used = count_;
-    if (count_ == 0) return;
+    if (count_ == 0) {
+      result->status =
+          Status::failure(StatusCode::kInsufficientData, "no track has a motion to measure");
+      return;
+    }
+    result->status = Status::success();
     double cell_sum = 0.0;
     int occupied = 0;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
@@ -136,10 +141,6 @@ class ResidualSums {
     return sums;
   }
 };
-
-}  // namespace detail
-
-namespace detail {
 
 /// Counts the tracks; false, with the status set, when nothing can be measured.
 inline bool begin_residual(ArrayView<const FlowTrack> tracks, const PinholeCamera& camera,
@@ -188,12 +189,6 @@ void measure_residual(const Model& model, const typename Model::Parameters& moti
   result->dominance = shares > 0.0 ? result->motion.inlier_share / shares : 0.0;
 }
 
-inline void end_residual(MotionResidualResult* result) noexcept {
-  result->status = result->num_used > 0 ? Status::success()
-                                        : Status::failure(StatusCode::kInsufficientData,
-                                                          "no track has a motion to measure");
-}
-
 }  // namespace detail
 
 /// How the image moves between reference and current frame (Eq. 6): the mean length of the tracks'
@@ -225,7 +220,6 @@ inline MotionResidualResult motion_residual(ArrayView<const FlowTrack> tracks,
     }
     sums.finish(double(camera.width_px) / options.motion.reference_width_px, options.cell_mean,
                 &result);
-    detail::end_residual(&result);
     return result;
   }
 
@@ -243,7 +237,6 @@ inline MotionResidualResult motion_residual(ArrayView<const FlowTrack> tracks,
       detail::measure_residual(
           detail::RigidModel{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px},
           result.motion.T_current_reference, tracks, camera, options, *workspace, &result);
-      detail::end_residual(&result);
       return result;
     }
   }
@@ -256,7 +249,6 @@ inline MotionResidualResult motion_residual(ArrayView<const FlowTrack> tracks,
   }
   detail::measure_residual(detail::AffineModel{}, result.motion.affine, tracks, camera, options,
                            *workspace, &result);
-  detail::end_residual(&result);
   return result;
 }
 
@@ -279,7 +271,6 @@ inline MotionResidualResult motion_residual_given_pose(ArrayView<const FlowTrack
   detail::measure_residual(
       detail::RigidModel{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px},
       T_current_reference, tracks, camera, options, *workspace, &result);
-  detail::end_residual(&result);
   return result;
 }
 
