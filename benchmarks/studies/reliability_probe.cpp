@@ -17,6 +17,7 @@
 #include <iostream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -148,6 +149,39 @@ class PlainTracker {
   std::vector<Frame> frames_;
 };
 
+/// A frame at half its width and height: colour the mean of four pixels, depth one of them.
+class HalvedFrame {
+ public:
+  void halve(const srslam::LoadedFrame& frame) {
+    halve(frame.gray, cv::INTER_AREA, &gray_);
+    halve(frame.depth_m, cv::INTER_NEAREST, &depth_m_);
+  }
+  ImageView<const std::uint8_t> gray() const { return gray_.view(); }
+  ImageView<const float> depth_m() const { return depth_m_.view(); }
+
+  static void halve(std::vector<srslam::Detection>* detections) {
+    // Pixel centres are integers, so that the corner of the image is at -0.5.
+    for (srslam::Detection& detection : *detections) {
+      for (double* x : {&detection.x_min_px, &detection.y_min_px, &detection.x_max_px,
+                        &detection.y_max_px}) {
+        *x = 0.5 * (*x + 0.5) - 0.5;
+      }
+    }
+  }
+
+ private:
+  template <typename Pixel>
+  static void halve(const srslam::ImageBuffer<Pixel>& image, int interpolation,
+                    srslam::ImageBuffer<Pixel>* half) {
+    half->resize(image.width_px / 2, image.height_px / 2);
+    cv::Mat target = srslam::as_mat(half->view());
+    cv::resize(srslam::as_mat(image.view()), target, target.size(), 0.0, 0.0, interpolation);
+  }
+
+  srslam::ImageBuffer<std::uint8_t> gray_;
+  srslam::ImageBuffer<float> depth_m_;
+};
+
 /// One assessor with its tracker, for one greatest age of the reference.
 struct AssessedStream {
   AssessedStream(const PinholeCamera& camera, const LucasKanadeOptions& flow, int max_age)
@@ -177,6 +211,7 @@ int probe(int argc, char** argv) {
   std::string output;
   LucasKanadeOptions flow;
   std::size_t max_frames = 0;
+  bool half = false;
   std::vector<int> max_ages = {6};
   app.add_option("--dataset", settings.dataset_folder)->required();
   app.add_option("--camera", settings.camera);
@@ -184,6 +219,7 @@ int probe(int argc, char** argv) {
   app.add_option("--groundtruth-frame", settings.groundtruth_frame);
   app.add_option("--max-frames", max_frames);
   app.add_option("--output", output)->required();
+  app.add_flag("--half", half, "halve width and height of the images first");
   app.add_option("--max-ages", max_ages, "greatest ages of the reference, frames")->delimiter(',');
   app.add_option("--window", flow.window_px);
   app.add_option("--levels", flow.num_levels);
@@ -198,7 +234,8 @@ int probe(int argc, char** argv) {
     std::cerr << "reliability_probe: " << reason << '\n';
     return 1;
   }
-  const PinholeCamera& camera = inputs.camera.camera;
+  const PinholeCamera camera =
+      half ? inputs.camera.camera.scaled(0.5) : inputs.camera.camera;
   srslam::Trajectory stamps(inputs.num_frames);
   for (std::size_t i = 0; i < inputs.num_frames; ++i) {
     stamps[i].timestamp_s = inputs.dataset.entry(i).timestamp_s;
@@ -231,19 +268,22 @@ int probe(int argc, char** argv) {
   out << '\n';
 
   srslam::LoadedFrame frame;
-  const std::vector<srslam::Detection> nothing;
+  HalvedFrame halved;
+  std::vector<srslam::Detection> detections;
   std::vector<FlowPoint> points;
   for (std::size_t i = 0; i < inputs.num_frames; ++i) {
     const srslam::FileStatus loaded = inputs.dataset.load(i, inputs.camera, &frame);
     if (!loaded.ok() || !frame.has_depth) continue;
-    const ImageView<const std::uint8_t> gray = frame.gray.view();
-    const ImageView<const float> depth_m = frame.depth_m.view();
+    if (half) halved.halve(frame);
+    const ImageView<const std::uint8_t> gray = half ? halved.gray() : frame.gray.view();
+    const ImageView<const float> depth_m = half ? halved.depth_m() : frame.depth_m.view();
     extractor.extract(gray, {}, &features);
     const std::size_t found = srslam::find_detections(inputs.detections, frame.timestamp_s,
                                                       srslam::cli::kDetectionTolerance_s);
     const bool has_detections = found < inputs.detections.size();
-    const std::vector<srslam::Detection>& detections =
-        has_detections ? inputs.detections[found].detections : nothing;
+    detections.clear();
+    if (has_detections) detections = inputs.detections[found].detections;
+    if (half) HalvedFrame::halve(&detections);
     points.clear();
     for (const srslam::Feature& feature : features.features) {
       FlowPoint point;

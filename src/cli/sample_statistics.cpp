@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "srslam/core/nearest_rank.hpp"
+
 namespace srslam::cli {
 
 SampleStatistics summarize(std::vector<double> values) {
@@ -13,8 +15,7 @@ SampleStatistics summarize(std::vector<double> values) {
   const std::size_t n = values.size();
   statistics.mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(n);
   statistics.median = n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-  // ceil(0.95 n) in integers: 0.95 is not a binary number, and 20 values must give rank 19.
-  statistics.p95 = values[(95 * n + 99) / 100 - 1];
+  statistics.p95 = nearest_rank(values, 95.0);
   statistics.min = values.front();
   statistics.max = values.back();
   return statistics;

@@ -1,8 +1,11 @@
 // Pose is an unaligned Eigen transform: it must work together with the aligned types that callers
 // hold, and have one layout whatever the compiler flags are.
 
+#include "srslam/core/plain_pose.hpp"
 #include "srslam/core/pose.hpp"
 
+#include <array>
+#include <cstring>
 #include <type_traits>
 #include <vector>
 
@@ -75,6 +78,22 @@ TEST(Pose, LivesInStandardContainers) {
   std::vector<Unaligned> unaligned(3);
   unaligned[1].pose = unaligned[1].pose * Pose(example_isometry());
   EXPECT_EQ(unaligned[1].pose.matrix(), example_isometry().matrix());
+}
+
+TEST(PlainPose, KeepsThePoseInBytes) {
+  static_assert(std::is_trivially_copyable_v<PlainPose>, "");
+  EXPECT_EQ(PlainPose().pose().matrix(), Pose::Identity().matrix());
+  Pose drifted = example_isometry();
+  drifted.linear() *= 1.0 + 1e-9;
+  const PlainPose plain(drifted);
+  std::array<unsigned char, sizeof(PlainPose)> bytes{};
+  std::memcpy(bytes.data(), &plain, sizeof(PlainPose));
+  PlainPose copy;
+  std::memcpy(&copy, bytes.data(), sizeof(PlainPose));
+  const Pose pose = copy.pose();
+  EXPECT_TRUE(pose.isApprox(example_isometry(), 1e-8));
+  EXPECT_TRUE(pose.linear().isUnitary(1e-15));
+  EXPECT_EQ(pose.translation(), drifted.translation());
 }
 
 TEST(Conventions, QuaternionOrders) {

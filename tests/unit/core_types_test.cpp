@@ -1,5 +1,6 @@
 // Status, views, grid, descriptors: the small types that everything else speaks.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -15,6 +16,7 @@
 #include "srslam/core/feature.hpp"
 #include "srslam/core/grid.hpp"
 #include "srslam/core/image_view.hpp"
+#include "srslam/core/nearest_rank.hpp"
 #include "srslam/core/status.hpp"
 #include "support/constants.hpp"
 #include "support/rng.hpp"
@@ -377,6 +379,38 @@ TEST(FrameDetections, LookedAtAndEmptyIsAState) {
   frame.detections.push_back({"person", 0.9, 1.0, 2.0, 3.0, 4.0});
   EXPECT_EQ(frame.detections[0].class_name, "person");
   EXPECT_EQ(frame.detections[0].y_max_px, 4.0);
+}
+
+// ----------------------------------------------------------------------------------- nearest rank
+
+TEST(NearestRank, HandComputed) {
+  std::vector<double> values;
+  for (int i = 1; i <= 20; ++i) values.push_back(i);
+  EXPECT_EQ(nearest_rank(values, 95.0), 19.0);
+  EXPECT_EQ(nearest_rank(values, 95.1), 20.0);
+  EXPECT_EQ(nearest_rank(values, 50.0), 10.0);
+  EXPECT_EQ(nearest_rank(values, 0.0), 1.0);
+  EXPECT_EQ(nearest_rank(values, 100.0), 20.0);
+  EXPECT_EQ(nearest_rank({values.data(), 1}, 99.0), 1.0);
+  EXPECT_TRUE(std::isnan(nearest_rank(ArrayView<const double>(), 50.0)));
+}
+
+// By its definition: the smallest value that so many do not exceed.
+TEST(NearestRank, EqualsItsDefinition) {
+  for_each_seed(50, [](Rng& rng) {
+    std::vector<double> values(static_cast<std::size_t>(rng.uniform_int(1, 200)));
+    for (double& value : values) value = rng.uniform_int(0, 30);
+    std::sort(values.begin(), values.end());
+    const int percent = rng.uniform_int(1, 100);
+    double expected = values.back();
+    for (auto value = values.rbegin(); value != values.rend(); ++value) {
+      const auto not_above = std::upper_bound(values.begin(), values.end(), *value);
+      if (100 * (not_above - values.begin()) >= percent * std::ptrdiff_t(values.size())) {
+        expected = *value;
+      }
+    }
+    EXPECT_EQ(nearest_rank(values, percent), expected);
+  });
 }
 
 }  // namespace

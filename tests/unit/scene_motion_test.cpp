@@ -282,8 +282,7 @@ TEST(DominantMotion, StepIsTheGradientsByDifferences) {
   DominantMotionWorkspace workspace;
   detail::collect_rigid_tracks(tracks, scene.camera, &workspace);
   detail::activate_all(&workspace);
-  const detail::RigidModel model{scene.camera.fx_px, scene.camera.fy_px, scene.camera.cx_px,
-                                 scene.camera.cy_px};
+  const detail::RigidModel model(scene.camera);
   for (int axis = 0; axis < 6; ++axis) {
     Vector6 off = Vector6::Zero();
     off[axis] = 1e-4;

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "srslam/scene/reliability.hpp"
@@ -72,7 +75,7 @@ std::vector<std::uint64_t> references_over(const std::vector<double>& reliabilit
     const char* reason = "";
     const bool changed = policy.update(frame, &reason);
     EXPECT_EQ(changed, *reason != '\0');
-    ids.push_back(policy.reference_id());
+    ids.push_back(policy.reference().frame_id);
   }
   return ids;
 }
@@ -109,7 +112,7 @@ TEST(ReferencePolicy, NeverOlderThanAllowedNorYoungerThanAsked) {
       frame.good = falling ? i % 7 == 0 : rng.uniform(0.0, 1.0) < 0.5;
       frame.num_alive = 100;
       policy.update(frame, &reason);
-      const int age_at_next = i + 1 - static_cast<int>(policy.reference_id());
+      const int age_at_next = i + 1 - static_cast<int>(policy.reference().frame_id);
       EXPECT_LE(age_at_next, options.max_age_frames + 1) << i;
       if (i > 10) {
         EXPECT_GE(age_at_next, options.min_age_frames) << i;
@@ -135,7 +138,7 @@ TEST(ReferencePolicy, LostPointsMakeItStale) {
     policy.update(frame, &reason);
   }
   // Old enough are 10, 9 and 8; the newest GOOD one of equals is taken.
-  EXPECT_EQ(policy.reference_id(), 9U);
+  EXPECT_EQ(policy.reference().frame_id, 9U);
   EXPECT_STREQ(reason, "most points of the reference were lost");
 }
 
@@ -325,7 +328,11 @@ TEST(SceneAssessor, StateIsASnapshot) {
   FlowScene scene;
   scene.mover_share = 0.3;
   for (int i = 0; i < 20; ++i) a.next(scene.tracks());
-  const SceneAssessor::State state = a.assessor().state();
+  static_assert(std::is_trivially_copyable_v<SceneAssessor::State>, "");
+  std::array<unsigned char, sizeof(SceneAssessor::State)> saved{};
+  std::memcpy(saved.data(), &a.assessor().state(), saved.size());
+  SceneAssessor::State state;
+  std::memcpy(&state, saved.data(), saved.size());
   b.assessor().restore(state);
   for (int i = 0; i < 21; ++i) b.next();  // ids up to 20 are refused, 21 is not
   b.assessor().restore(state);

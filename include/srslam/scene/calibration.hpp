@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "srslam/core/array_view.hpp"
+#include "srslam/core/nearest_rank.hpp"
 #include "srslam/core/status.hpp"
 #include "srslam/scene/reliability.hpp"
 
@@ -54,14 +54,6 @@ struct CalibrationResult {
   std::vector<double> reliabilities;  ///< sorted, with the new scale
 };
 
-/// Value that `percent` of sorted values do not exceed (nearest rank); 0 percent is the smallest.
-inline double sorted_percentile(const std::vector<double>& sorted, double percent) noexcept {
-  if (sorted.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const double rank = std::ceil(percent / 100.0 * double(sorted.size()));
-  const auto index = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
-  return sorted[std::min(index, sorted.size() - 1)];
-}
-
 /// R_cb and th_scene from frames of stable sequences, in which nothing moves but the camera
 /// (Sec. III-B): the scale is the largest motion residual seen, the threshold the smallest
 /// reliability with that scale; by default nearly so, by percentiles. `frames` are terms of frames
@@ -74,10 +66,13 @@ inline CalibrationResult calibrate_reliability(ArrayView<const ReliabilityTerms>
   result.status = options.validate();
   if (result.status.ok()) result.status = assessor.validate();
   if (!result.status.ok()) return result;
+  std::vector<ReliabilityTerms> judged;
   for (const ReliabilityTerms& frame : frames) {
-    if (!frame.initial && std::isfinite(frame.residual_px) && std::isfinite(frame.current)) {
-      result.residuals_px.push_back(frame.residual_px);
+    if (frame.initial || !std::isfinite(frame.residual_px) || !std::isfinite(frame.current)) {
+      continue;
     }
+    judged.push_back(frame);
+    result.residuals_px.push_back(frame.residual_px);
   }
   result.num_frames = result.residuals_px.size();
   if (result.num_frames < static_cast<std::size_t>(options.min_frames)) {
@@ -89,18 +84,16 @@ inline CalibrationResult calibrate_reliability(ArrayView<const ReliabilityTerms>
   const bool extremes = options.rule == CalibrationRule::kExtremes;
   result.residual_scale_px = std::max(
       options.min_residual_scale_px,
-      sorted_percentile(result.residuals_px, extremes ? 100.0 : options.residual_percentile));
+      nearest_rank(result.residuals_px, extremes ? 100.0 : options.residual_percentile));
   SceneAssessorOptions scaled = assessor;
   scaled.residual_scale_px = result.residual_scale_px;
   result.reliabilities.reserve(result.num_frames);
-  for (const ReliabilityTerms& frame : frames) {
-    if (!frame.initial && std::isfinite(frame.residual_px) && std::isfinite(frame.current)) {
-      result.reliabilities.push_back(scene_reliability(frame, scaled));
-    }
+  for (const ReliabilityTerms& frame : judged) {
+    result.reliabilities.push_back(scene_reliability(frame, scaled));
   }
   std::sort(result.reliabilities.begin(), result.reliabilities.end());
   result.threshold =
-      sorted_percentile(result.reliabilities, extremes ? 0.0 : options.reliability_percentile);
+      nearest_rank(result.reliabilities, extremes ? 0.0 : options.reliability_percentile);
   const auto count = double(result.num_frames);
   result.good_share = double(result.reliabilities.end() -
                              std::lower_bound(result.reliabilities.begin(),

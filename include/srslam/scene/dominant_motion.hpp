@@ -8,16 +8,15 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include "srslam/core/array_view.hpp"
 #include "srslam/core/camera.hpp"
 #include "srslam/core/pose.hpp"
-#include "srslam/core/se3.hpp"
+#include "srslam/core/random_stream.hpp"
 #include "srslam/core/status.hpp"
 #include "srslam/scene/flow_track.hpp"
+#include "srslam/scene/motion_model.hpp"
 
 namespace srslam {
 
@@ -26,9 +25,6 @@ enum class FlowModel : std::uint8_t {
   kRigid,   ///< a relative pose and the depth of the reference frame
   kAffine,  ///< six parameters of the image plane; needs no depth, knows no parallax
 };
-
-/// Maps reference pixels (u, v, 1) to current ones.
-using AffineFlow = Eigen::Matrix<double, 2, 3, Eigen::DontAlign>;
 
 struct DominantMotionOptions {
   double inlier_px = 3.0;  ///< tracks within belong to a motion; > 0, at the reference width
@@ -41,8 +37,8 @@ struct DominantMotionOptions {
   int max_motions = 3;             ///< looked for, 1..3
   double min_motion_share = 0.15;  ///< of the usable tracks, for a motion beside the strongest
   int max_samples = 100;           ///< minimal samples a motion, 1..10000
-  double sample_confidence =
-      0.99;                   ///< stop sampling when this sure to have met inliers only; (0, 1)
+  /// Sampling stops when it is this sure to have met a sample of inliers only; (0, 1).
+  double sample_confidence = 0.99;
   int max_scored = 300;       ///< tracks on which samples are judged, >= 10
   int refine_iterations = 4;  ///< of least squares over the inliers, >= 1
   /// Part of its support that a motion keeps when a vote is entirely against it; [0, 1], 1 turns
@@ -107,208 +103,7 @@ struct DominantMotionResult {
   std::array<MotionCandidate, 3> candidates{};  ///< by falling support
 };
 
-/// Buffers of dominant_motion(), kept by the caller so that a steady stream allocates nothing.
-struct DominantMotionWorkspace {
-  std::vector<std::int32_t> track;  ///< index of the usable track
-  // Usable tracks: point in the reference camera [m] (kAffine: pixel, 1), current pixel without
-  // distortion.
-  std::vector<float> x, y, z, u_px, v_px;
-  std::vector<float> squared_error_px2;
-  std::vector<std::uint8_t> owner;  ///< motion that the track belongs to, or kNoOwner
-  std::vector<std::int32_t> active, scored;
-  std::vector<float> depth_sorted_m;
-  static constexpr std::uint8_t kNoOwner = 255;
-};
-
 namespace detail {
-
-/// Small generator with the same numbers on every platform (SplitMix64).
-class SampleStream {
- public:
-  explicit SampleStream(std::uint64_t seed) noexcept : state_(seed) {}
-  /// In [0, count); count < 2^32.
-  std::size_t below(std::size_t count) noexcept {
-    state_ += 0x9e3779b97f4a7c15ULL;
-    std::uint64_t x = state_;
-    x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-    x = (x ^ (x >> 27U)) * 0x94d049bb133111ebULL;
-    x ^= x >> 31U;
-    return static_cast<std::size_t>(((x >> 32U) * std::uint64_t(count)) >> 32U);
-  }
-
- private:
-  std::uint64_t state_;
-};
-
-constexpr float kBehindCamera_px2 = 1e12F;
-
-/// Motion model of rigid flow. Points in the reference camera, projected without distortion.
-struct RigidModel {
-  using Parameters = Pose;
-  double fx, fy, cx, cy;
-
-  void squared_errors(const Pose& T_current_reference, const DominantMotionWorkspace& w,
-                      ArrayView<const std::int32_t> indices, float* squared_px2) const noexcept {
-    const Eigen::Matrix3f R = T_current_reference.linear().cast<float>();
-    const Eigen::Vector3f t = T_current_reference.translation().cast<float>();
-    const auto fu = float(fx);
-    const auto fv = float(fy);
-    const auto cu = float(cx);
-    const auto cv = float(cy);
-    for (std::size_t k = 0; k < indices.size; ++k) {
-      const auto i = static_cast<std::size_t>(indices[k]);
-      const float px = R(0, 0) * w.x[i] + R(0, 1) * w.y[i] + R(0, 2) * w.z[i] + t.x();
-      const float py = R(1, 0) * w.x[i] + R(1, 1) * w.y[i] + R(1, 2) * w.z[i] + t.y();
-      const float pz = R(2, 0) * w.x[i] + R(2, 1) * w.y[i] + R(2, 2) * w.z[i] + t.z();
-      const float inverse = 1.0F / pz;
-      const float du = fu * px * inverse + cu - w.u_px[i];
-      const float dv = fv * py * inverse + cv - w.v_px[i];
-      const float squared = du * du + dv * dv;
-      squared_px2[k] = pz > 1e-3F ? squared : kBehindCamera_px2;
-    }
-  }
-
-  /// One Gauss-Newton step over the tracks with weight; false when they do not determine the pose.
-  template <typename Weight>
-  bool step(const DominantMotionWorkspace& w, ArrayView<const std::int32_t> indices,
-            const Weight& weight_of, Pose* T_current_reference, double* step_norm) const noexcept {
-    Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
-    Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
-    const Eigen::Matrix3d R = T_current_reference->linear();
-    const Eigen::Vector3d t = T_current_reference->translation();
-    Eigen::Matrix<double, 6, 1> row_u;
-    Eigen::Matrix<double, 6, 1> row_v;
-    for (std::size_t k = 0; k < indices.size; ++k) {
-      const auto i = static_cast<std::size_t>(indices[k]);
-      const Eigen::Vector3d p =
-          R * Eigen::Vector3d(double(w.x[i]), double(w.y[i]), double(w.z[i])) + t;
-      if (!(p.z() > 1e-3)) continue;
-      const double inverse = 1.0 / p.z();
-      const double x = p.x() * inverse;
-      const double y = p.y() * inverse;
-      const double du = fx * x + cx - double(w.u_px[i]);
-      const double dv = fy * y + cy - double(w.v_px[i]);
-      const double weight = weight_of(du * du + dv * dv);
-      if (weight <= 0.0) continue;
-      // d(u, v) / d(perturbation of T on the left).
-      row_u << fx * inverse, 0.0, -fx * x * inverse, -fx * x * y, fx * (1.0 + x * x), -fx * y;
-      row_v << 0.0, fy * inverse, -fy * y * inverse, -fy * (1.0 + y * y), fy * x * y, fy * x;
-      hessian.selfadjointView<Eigen::Lower>().rankUpdate(row_u, weight);
-      hessian.selfadjointView<Eigen::Lower>().rankUpdate(row_v, weight);
-      gradient += (weight * du) * row_u + (weight * dv) * row_v;
-    }
-    const Eigen::LDLT<Eigen::Matrix<double, 6, 6>, Eigen::Lower> solver(hessian);
-    if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-14)) return false;
-    const Eigen::Matrix<double, 6, 1> delta = -solver.solve(gradient);
-    if (!delta.allFinite()) return false;
-    *step_norm = delta.norm();
-    *T_current_reference = se3_exp(delta) * *T_current_reference;
-    return true;
-  }
-
-  static Pose identity() noexcept { return Pose::Identity(); }
-
-  /// Where the motion takes usable track `i`; false behind the camera.
-  bool predict(const Pose& T_current_reference, const DominantMotionWorkspace& w, std::size_t i,
-               Eigen::Vector2d* pixel) const noexcept {
-    const Eigen::Vector3d p =
-        T_current_reference * Eigen::Vector3d(double(w.x[i]), double(w.y[i]), double(w.z[i]));
-    if (!(p.z() > 1e-3)) return false;
-    *pixel = Eigen::Vector2d(fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy);
-    return true;
-  }
-
-  static bool fit_sample(const RigidModel& model, const DominantMotionWorkspace& w,
-                         const std::array<std::int32_t, 3>& sample, Pose* T_current_reference) {
-    constexpr int kMaxSteps = 8;
-    constexpr double kConverged = 1e-6;
-    const ArrayView<const std::int32_t> indices{sample.data(), sample.size()};
-    double step_norm = 0.0;
-    for (int i = 0; i < kMaxSteps; ++i) {
-      if (!model.step(
-              w, indices, [](double) { return 1.0; }, T_current_reference, &step_norm)) {
-        return false;
-      }
-      // Beyond a metre or a radian the sample is no motion between near frames.
-      if (step_norm > 2.0) return false;
-      if (step_norm < kConverged) return true;
-    }
-    return step_norm < 1e-3;
-  }
-};
-
-/// Motion model of affine flow. Pixels of the reference frame in x and y.
-struct AffineModel {
-  using Parameters = AffineFlow;
-
-  void squared_errors(const AffineFlow& affine, const DominantMotionWorkspace& w,
-                      ArrayView<const std::int32_t> indices, float* squared_px2) const noexcept {
-    const Eigen::Matrix<float, 2, 3> a = affine.cast<float>();
-    for (std::size_t k = 0; k < indices.size; ++k) {
-      const auto i = static_cast<std::size_t>(indices[k]);
-      const float du = a(0, 0) * w.x[i] + a(0, 1) * w.y[i] + a(0, 2) - w.u_px[i];
-      const float dv = a(1, 0) * w.x[i] + a(1, 1) * w.y[i] + a(1, 2) - w.v_px[i];
-      squared_px2[k] = du * du + dv * dv;
-    }
-  }
-
-  /// Weighted least squares, which needs no iteration but for the weights.
-  template <typename Weight>
-  bool step(const DominantMotionWorkspace& w, ArrayView<const std::int32_t> indices,
-            const Weight& weight_of, AffineFlow* affine, double* step_norm) const noexcept {
-    // About the mean, for the sake of the equations' condition.
-    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-    double weight_sum = 0.0;
-    const auto weight_at = [&](std::size_t i, Eigen::Vector2d* pixel) {
-      *pixel = Eigen::Vector2d(double(w.x[i]), double(w.y[i]));
-      const Eigen::Vector2d error = affine->leftCols<2>() * *pixel + affine->col(2) -
-                                    Eigen::Vector2d(double(w.u_px[i]), double(w.v_px[i]));
-      return weight_of(error.squaredNorm());
-    };
-    Eigen::Vector2d pixel;
-    for (const std::int32_t index : indices) {
-      const double weight = weight_at(static_cast<std::size_t>(index), &pixel);
-      mean += weight * pixel;
-      weight_sum += weight;
-    }
-    if (!(weight_sum > 0.0)) return false;
-    mean /= weight_sum;
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
-    for (const std::int32_t index : indices) {
-      const auto i = static_cast<std::size_t>(index);
-      const double weight = weight_at(i, &pixel);
-      const Eigen::Vector3d row(pixel.x() - mean.x(), pixel.y() - mean.y(), 1.0);
-      normal += weight * row * row.transpose();
-      right += weight * row * Eigen::RowVector2d(double(w.u_px[i]), double(w.v_px[i]));
-    }
-    const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
-    if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-12)) return false;
-    const Eigen::Matrix<double, 3, 2> solution = solver.solve(right);
-    if (!solution.allFinite()) return false;
-    AffineFlow fitted;
-    fitted.leftCols<2>() = solution.topRows<2>().transpose();
-    fitted.col(2) = solution.row(2).transpose() - fitted.leftCols<2>() * mean;
-    *step_norm = (fitted - *affine).norm();
-    *affine = fitted;
-    return true;
-  }
-
-  static AffineFlow identity() noexcept { return AffineFlow::Identity(); }
-
-  bool predict(const AffineFlow& affine, const DominantMotionWorkspace& w, std::size_t i,
-               Eigen::Vector2d* pixel) const noexcept {
-    *pixel = affine.leftCols<2>() * Eigen::Vector2d(double(w.x[i]), double(w.y[i])) + affine.col(2);
-    return true;
-  }
-
-  static bool fit_sample(const AffineModel& model, const DominantMotionWorkspace& w,
-                         const std::array<std::int32_t, 3>& sample, AffineFlow* affine) {
-    double step_norm = 0.0;
-    return model.step(
-        w, {sample.data(), sample.size()}, [](double) { return 1.0; }, affine, &step_norm);
-  }
-};
 
 /// Sum of squared errors, each limited to the square of the inlier distance.
 inline double truncated_cost(const std::vector<float>& squared_px2, std::size_t size,
@@ -324,7 +119,7 @@ inline double truncated_cost(const std::vector<float>& squared_px2, std::size_t 
 /// error, then least squares over the inliers. `motion` comes in as the first guess.
 template <typename Model>
 bool strongest_motion(const Model& model, const DominantMotionOptions& options, float limit_px2,
-                      SampleStream* random, DominantMotionWorkspace* w,
+                      RandomStream* random, DominantMotionWorkspace* w,
                       typename Model::Parameters* motion) {
   const std::size_t num_active = w->active.size();
   if (num_active < 3) return false;
@@ -374,10 +169,12 @@ bool strongest_motion(const Model& model, const DominantMotionOptions& options, 
   if (refine(w->scored, &candidate) && judge(candidate)) best = candidate;
   for (int num_samples = 0; num_samples < samples_needed(); ++num_samples) {
     std::array<std::int32_t, 3> sample{};
-    for (std::size_t k = 0; k < 3; ++k) sample[k] = w->active[random->below(num_active)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      sample[k] = w->active[static_cast<std::size_t>(random->integer(static_cast<int>(num_active)))];
+    }
     if (sample[0] == sample[1] || sample[0] == sample[2] || sample[1] == sample[2]) continue;
     candidate = guess;
-    if (!Model::fit_sample(model, *w, sample, &candidate) || !judge(candidate)) continue;
+    if (!model.fit_sample(*w, sample, &candidate) || !judge(candidate)) continue;
     best = candidate;
   }
   candidate = best;
@@ -493,7 +290,7 @@ void choose_motion(const Model& model, ArrayView<const FlowTrack> tracks, double
   const float limit_px = inlier_limit_px(tracks, px_scale, options, w);
   result->inlier_limit_px = double(limit_px);
   const float limit_px2 = limit_px * limit_px;
-  SampleStream random(options.seed);
+  RandomStream random(options.seed);
   w->squared_error_px2.resize(num_usable);
   w->owner.assign(num_usable, DominantMotionWorkspace::kNoOwner);
   activate_all(w);
@@ -566,38 +363,6 @@ void choose_motion(const Model& model, ArrayView<const FlowTrack> tracks, double
   count_inliers(model, *chosen, tracks, limit_px, w, result);
 }
 
-inline void clear_tracks(std::size_t capacity, DominantMotionWorkspace* w) {
-  w->track.clear();
-  w->track.reserve(capacity);
-  for (std::vector<float>* values : {&w->x, &w->y, &w->z, &w->u_px, &w->v_px}) {
-    values->clear();
-    values->reserve(capacity);
-  }
-}
-
-/// Alive tracks with reference depth, as points in the reference camera and undistorted pixels.
-inline void collect_rigid_tracks(ArrayView<const FlowTrack> tracks, const PinholeCamera& camera,
-                                 DominantMotionWorkspace* w) {
-  clear_tracks(tracks.size, w);
-  Eigen::Vector3d point_m;
-  Eigen::Vector2d pixel;
-  for (std::size_t i = 0; i < tracks.size; ++i) {
-    const FlowTrack& track = tracks[i];
-    if (!track.alive ||
-        !camera.unproject({double(track.reference.u_px), double(track.reference.v_px)},
-                          double(track.reference.depth_m), &point_m) ||
-        !camera.undistort_pixel({double(track.current.u_px), double(track.current.v_px)}, &pixel)) {
-      continue;
-    }
-    w->track.push_back(static_cast<std::int32_t>(i));
-    w->x.push_back(float(point_m.x()));
-    w->y.push_back(float(point_m.y()));
-    w->z.push_back(float(point_m.z()));
-    w->u_px.push_back(float(pixel.x()));
-    w->v_px.push_back(float(pixel.y()));
-  }
-}
-
 }  // namespace detail
 
 /// The relative pose that most tracks share or, when votes say so, the one that is the camera's:
@@ -618,7 +383,7 @@ inline DominantMotionResult dominant_rigid_motion(ArrayView<const FlowTrack> tra
   if (result.status.ok()) result.status = camera.validate();
   if (!result.status.ok()) return result;
   detail::collect_rigid_tracks(tracks, camera, workspace);
-  const detail::RigidModel model{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
+  const detail::RigidModel model(camera);
   detail::choose_motion(model, tracks, double(camera.width_px) / options.reference_width_px,
                         predicted_T_current_reference, options, workspace, &result,
                         &result.T_current_reference);
@@ -643,7 +408,7 @@ inline DominantMotionResult rigid_motion_support(ArrayView<const FlowTrack> trac
   }
   if (!result.status.ok()) return result;
   detail::collect_rigid_tracks(tracks, camera, workspace);
-  const detail::RigidModel model{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
+  const detail::RigidModel model(camera);
   if (workspace->track.empty()) {
     result.status =
         Status::failure(StatusCode::kInsufficientData, "too few tracks for the camera's motion");
@@ -670,19 +435,7 @@ inline DominantMotionResult dominant_affine_motion(ArrayView<const FlowTrack> tr
     result.status = Status::failure(StatusCode::kInvalidArgument, "image width must be positive");
   }
   if (!result.status.ok()) return result;
-  detail::clear_tracks(tracks.size, workspace);
-  for (std::size_t i = 0; i < tracks.size; ++i) {
-    const FlowTrack& track = tracks[i];
-    if (!track.alive || !std::isfinite(track.reference.u_px + track.reference.v_px) ||
-        !std::isfinite(track.current.u_px + track.current.v_px)) {
-      continue;
-    }
-    workspace->track.push_back(static_cast<std::int32_t>(i));
-    workspace->x.push_back(track.reference.u_px);
-    workspace->y.push_back(track.reference.v_px);
-    workspace->u_px.push_back(track.current.u_px);
-    workspace->v_px.push_back(track.current.v_px);
-  }
+  detail::collect_affine_tracks(tracks, workspace);
   detail::choose_motion(detail::AffineModel{}, tracks,
                         double(width_px) / options.reference_width_px, predicted, options,
                         workspace, &result, &result.affine);

@@ -234,9 +234,8 @@ inline MotionResidualResult motion_residual(ArrayView<const FlowTrack> tracks,
     }
     if (result.motion.status.ok()) {
       result.compensation = MotionCompensation::kRigid;
-      detail::measure_residual(
-          detail::RigidModel{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px},
-          result.motion.T_current_reference, tracks, camera, options, *workspace, &result);
+      detail::measure_residual(detail::RigidModel(camera), result.motion.T_current_reference,
+                               tracks, camera, options, *workspace, &result);
       return result;
     }
   }
@@ -268,9 +267,8 @@ inline MotionResidualResult motion_residual_given_pose(ArrayView<const FlowTrack
     result.status = result.motion.status;
     return result;
   }
-  detail::measure_residual(
-      detail::RigidModel{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px},
-      T_current_reference, tracks, camera, options, *workspace, &result);
+  detail::measure_residual(detail::RigidModel(camera), T_current_reference, tracks, camera,
+                           options, *workspace, &result);
   return result;
 }
 

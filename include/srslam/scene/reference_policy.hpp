@@ -4,12 +4,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
-#include "srslam/core/pose.hpp"
+#include "srslam/core/plain_pose.hpp"
 #include "srslam/core/status.hpp"
 
 namespace srslam {
+
+/// Frames that a reference can be chosen from, at most.
+constexpr int kMaxRecentFrames = 30;
 
 /// When another frame becomes the one that motion is measured against.
 struct ReferenceOptions {
@@ -21,8 +23,7 @@ struct ReferenceOptions {
   int max_age_frames = 6;        ///< an older reference is replaced; >= min_age_frames
   double min_alive_share = 0.3;  ///< so is one of which fewer points are followed; [0, 1]
   int min_alive_tracks = 10;     ///< or fewer than this; >= 0
-  int num_candidates =
-      3;  ///< frames from min_age_frames on of which the best GOOD one follows; 1..30
+  int num_candidates = 3;        ///< frames of at least that age among which the successor is; 1..30
 
   /// Last frames that must be at hand, since any of them may become the reference.
   int num_recent_frames() const noexcept {
@@ -33,10 +34,9 @@ struct ReferenceOptions {
     const auto bad = [](const char* reason) {
       return Status::failure(StatusCode::kInvalidArgument, reason);
     };
-    if (num_initial_frames < 1 || num_initial_frames > 30) {
-      return bad("num_initial_frames must be 1 to 30");
-    }
-    if (min_age_frames < 1 || min_age_frames > 30) return bad("min_age_frames must be 1 to 30");
+    const auto in_reach = [](int frames) { return frames >= 1 && frames <= kMaxRecentFrames; };
+    if (!in_reach(num_initial_frames)) return bad("num_initial_frames must be 1 to 30");
+    if (!in_reach(min_age_frames)) return bad("min_age_frames must be 1 to 30");
     if (max_age_frames < min_age_frames) {
       return bad("max_age_frames must not be below min_age_frames");
     }
@@ -44,8 +44,10 @@ struct ReferenceOptions {
       return bad("min_alive_share must be in [0, 1]");
     }
     if (min_alive_tracks < 0) return bad("min_alive_tracks must not be negative");
-    if (num_candidates < 1 || num_candidates > 30) return bad("num_candidates must be 1 to 30");
-    if (num_recent_frames() > 30) return bad("min_age_frames + num_candidates must not exceed 31");
+    if (!in_reach(num_candidates)) return bad("num_candidates must be 1 to 30");
+    if (!in_reach(num_recent_frames())) {
+      return bad("min_age_frames + num_candidates must not exceed 31");
+    }
     return Status::success();
   }
 };
@@ -57,18 +59,20 @@ struct ReferenceCandidate {
   bool good = false;                 ///< Eq. 8
   double alive_share = 1.0;          ///< of the reference's points that are followed up to here
   int num_alive = 0;
+  PlainPose T_odometry_frame;  ///< for the caller, who gets it back with the reference
 };
 
 /// Keeps the reference frame: the best of the initial ones, then whichever is better, and one of
-/// the last frames when it is old or out of sight. Constant time and memory, no allocation. All of
-/// its state is plain data: a copy is a snapshot.
+/// the last frames when it is old or out of sight. Constant time and memory, no allocation. Plain
+/// data: a copy is a snapshot, and its bytes may be saved for the same build of the library.
 class ReferencePolicy {
  public:
   ReferencePolicy() = default;
   explicit ReferencePolicy(const ReferenceOptions& options) : options_(options) {}
 
   bool has_reference() const noexcept { return has_reference_; }
-  std::uint64_t reference_id() const noexcept { return reference_.frame_id; }
+  /// Default-constructed when there is none.
+  const ReferenceCandidate& reference() const noexcept { return reference_; }
   /// Frames since the reference; 0 when the last frame is it.
   int age_frames() const noexcept { return static_cast<int>(num_frames_ - reference_number_); }
   /// Whether the next frame is one of the initial ones, which are judged without motion.
@@ -151,7 +155,8 @@ class ReferencePolicy {
   bool has_reference_ = false;
   ReferenceCandidate reference_;
   std::uint64_t reference_number_ = 0;
-  std::array<ReferenceCandidate, 31> recent_{};
+  // One more than can be chosen from: the frame that came last.
+  std::array<ReferenceCandidate, kMaxRecentFrames + 1> recent_{};
 };
 
 }  // namespace srslam

@@ -9,14 +9,12 @@
 #include <limits>
 #include <string>
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
-
 #include "srslam/core/array_view.hpp"
 #include "srslam/core/camera.hpp"
 #include "srslam/core/detection.hpp"
 #include "srslam/core/feature.hpp"
 #include "srslam/core/image_view.hpp"
+#include "srslam/core/plain_pose.hpp"
 #include "srslam/core/pose.hpp"
 #include "srslam/core/status.hpp"
 #include "srslam/scene/classification.hpp"
@@ -209,26 +207,16 @@ struct SceneReport {
 /// Allocates only while buffers grow.
 class SceneAssessor {
  public:
-  /// What an assessor has to remember: plain data, to be saved and restored.
+  /// What an assessor has to remember. Trivially copyable: its bytes may be saved and restored by
+  /// the same build of the library.
   struct State {
     ReferencePolicy policy;
     std::uint64_t last_frame_id = 0;
     bool has_last = false;
     /// Camera's path as far as the tracks tell, for the prediction of the next motion.
     bool has_velocity = false;
-    Pose T_odometry_last = Pose::Identity();
-    Pose T_last_before = Pose::Identity();  ///< motion of the last frame, for constant velocity
-    std::array<std::uint64_t, 31> recent_ids{};
-    std::array<Pose, 31> T_odometry_recent = identities();
-    std::uint64_t num_remembered = 0;
-    Pose T_odometry_reference = Pose::Identity();
-
-   private:
-    static std::array<Pose, 31> identities() noexcept {
-      std::array<Pose, 31> poses;
-      for (Pose& pose : poses) pose.setIdentity();
-      return poses;
-    }
+    PlainPose T_odometry_last;
+    PlainPose T_last_before;  ///< motion of the last frame, for constant velocity
   };
 
   explicit SceneAssessor(const PinholeCamera& camera, const SceneAssessorOptions& options = {})
@@ -241,7 +229,7 @@ class SceneAssessor {
   const SceneAssessorOptions& options() const noexcept { return options_; }
   bool has_reference() const noexcept { return state_.policy.has_reference(); }
   /// Frame whose points are to be followed into the next one.
-  std::uint64_t reference_id() const noexcept { return state_.policy.reference_id(); }
+  std::uint64_t reference_id() const noexcept { return state_.policy.reference().frame_id; }
 
   const State& state() const noexcept { return state_; }
   /// Goes on where an assessor of the same camera and options was.
@@ -261,36 +249,31 @@ class SceneAssessor {
     report.terms.initial = state_.policy.initializing() || !state_.policy.has_reference();
     // Without any metric nothing speaks for a frame.
     report.terms.current = report.current.status.ok() ? report.current.value : 0.0;
-    report.reference_id = state_.policy.reference_id();
+    report.reference_id = reference_id();
     report.reference_age_frames =
         state_.policy.has_reference() ? state_.policy.age_frames() + 1 : 0;
-    const Pose T_odometry_predicted = state_.T_odometry_last * predicted_motion();
     if (report.terms.initial) {
-      remember(frame.frame_id, T_odometry_predicted, false);
+      move_to(T_odometry_predicted(), false);
     } else {
-      judge_motion(frame, T_odometry_predicted, &report);
+      judge_motion(frame, &report);
     }
     report.reliability = scene_reliability(report.terms, options_);
     report.scene_class = classify_scene(report.reliability, options_.threshold);
     name_weakest(&report);
+    state_.last_frame_id = frame.frame_id;
+    state_.has_last = true;
 
     ReferenceCandidate candidate;
     candidate.frame_id = frame.frame_id;
     candidate.current_reliability = report.current.value;
     candidate.good = report.scene_class == SceneClass::kGood;
+    candidate.T_odometry_frame = state_.T_odometry_last;
     if (!report.terms.initial) {
       candidate.alive_share = report.residual.alive_share;
       candidate.num_alive = report.residual.num_alive;
     }
     report.reference_changed = state_.policy.update(candidate, &report.reference_reason);
-    report.next_reference_id = state_.policy.reference_id();
-    if (report.reference_changed) {
-      for (std::size_t i = 0; i < state_.recent_ids.size(); ++i) {
-        if (state_.recent_ids[i] == report.next_reference_id) {
-          state_.T_odometry_reference = state_.T_odometry_recent[i];
-        }
-      }
-    }
+    report.next_reference_id = reference_id();
     return report;
   }
 
@@ -322,20 +305,24 @@ class SceneAssessor {
                                           options_.current);
   }
 
-  Pose predicted_motion() const noexcept {
-    return state_.has_velocity ? state_.T_last_before : Pose::Identity();
+  /// Constant velocity.
+  Pose T_odometry_predicted() const noexcept {
+    const Pose T_odometry_last = state_.T_odometry_last.pose();
+    return state_.has_velocity ? Pose(T_odometry_last * state_.T_last_before.pose())
+                               : T_odometry_last;
   }
 
   /// Eq. 6 and 7.
-  void judge_motion(const SceneObservation& frame, const Pose& T_odometry_predicted,
-                    SceneReport* report) {
-    const Pose predicted = T_odometry_predicted.inverse() * state_.T_odometry_reference;
+  void judge_motion(const SceneObservation& frame, SceneReport* report) {
+    const Pose T_odometry_here = T_odometry_predicted();
+    const Pose T_odometry_reference = state_.policy.reference().T_odometry_frame.pose();
+    const Pose T_here_reference = T_odometry_here.inverse() * T_odometry_reference;
     if (frame.T_current_reference != nullptr) {
       report->residual = motion_residual_given_pose(
           frame.tracks, camera_, *frame.T_current_reference, options_.residual, &workspace_);
     } else {
       report->residual =
-          motion_residual(frame.tracks, camera_, state_.has_velocity ? &predicted : nullptr,
+          motion_residual(frame.tracks, camera_, state_.has_velocity ? &T_here_reference : nullptr,
                           options_.residual, &workspace_);
     }
     const MotionResidualResult& residual = report->residual;
@@ -357,29 +344,15 @@ class SceneAssessor {
     report->factor =
         residual_factor(terms.residual_px, options_.residual_scale_px, options_.factor);
     const bool has_pose = measured && residual.compensation == MotionCompensation::kRigid;
-    remember(frame.frame_id,
-             has_pose ? state_.T_odometry_reference * residual.motion.T_current_reference.inverse()
-                      : T_odometry_predicted,
-             has_pose);
+    move_to(has_pose ? Pose(T_odometry_reference * residual.motion.T_current_reference.inverse())
+                     : T_odometry_here,
+            has_pose);
   }
 
-  static Pose orthonormalized(const Pose& pose) noexcept {
-    Pose result = pose;
-    result.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
-    return result;
-  }
-
-  void remember(std::uint64_t frame_id, const Pose& T_odometry_frame, bool has_pose) noexcept {
-    // Poses are chained over a whole stream: keep the rotation one.
-    const Pose T_odometry_here = orthonormalized(T_odometry_frame);
-    state_.T_last_before = state_.T_odometry_last.inverse() * T_odometry_here;
+  void move_to(const Pose& T_odometry_here, bool has_pose) noexcept {
+    state_.T_last_before = PlainPose(state_.T_odometry_last.pose().inverse() * T_odometry_here);
     state_.has_velocity = has_pose && state_.has_last;
-    state_.T_odometry_last = T_odometry_here;
-    state_.last_frame_id = frame_id;
-    state_.has_last = true;
-    const auto slot = static_cast<std::size_t>(state_.num_remembered++ % state_.recent_ids.size());
-    state_.recent_ids[slot] = frame_id;
-    state_.T_odometry_recent[slot] = T_odometry_here;
+    state_.T_odometry_last = PlainPose(T_odometry_here);
   }
 
   void name_weakest(SceneReport* report) const noexcept {
@@ -402,8 +375,8 @@ class SceneAssessor {
     if (report->terms.background_share < options_.min_background_share) {
       consider("share of background", report->terms.background_share);
     }
-    if (options_.alive_share_power > 0.0)
-      consider("share of tracks alive", report->terms.alive_share);
+    if (options_.dominance_power > 0.0) consider("dominance", report->terms.dominance);
+    if (options_.alive_share_power > 0.0) consider("share alive", report->terms.alive_share);
   }
 
   PinholeCamera camera_;
