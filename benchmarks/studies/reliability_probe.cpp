@@ -162,8 +162,8 @@ class HalvedFrame {
   static void halve(std::vector<srslam::Detection>* detections) {
     // Pixel centres are integers, so that the corner of the image is at -0.5.
     for (srslam::Detection& detection : *detections) {
-      for (double* x : {&detection.x_min_px, &detection.y_min_px, &detection.x_max_px,
-                        &detection.y_max_px}) {
+      for (double* x :
+           {&detection.x_min_px, &detection.y_min_px, &detection.x_max_px, &detection.y_max_px}) {
         *x = 0.5 * (*x + 0.5) - 0.5;
       }
     }
@@ -184,11 +184,11 @@ class HalvedFrame {
 
 /// One assessor with its tracker, for one greatest age of the reference.
 struct AssessedStream {
-  AssessedStream(const PinholeCamera& camera, const LucasKanadeOptions& flow, int max_age)
-      : tracker(flow), assessor(camera, options_for(max_age)) {}
+  AssessedStream(const PinholeCamera& camera, const LucasKanadeOptions& flow,
+                 const SceneAssessorOptions& options, int max_age)
+      : tracker(flow), assessor(camera, options_for(options, max_age)) {}
 
-  static SceneAssessorOptions options_for(int max_age) {
-    SceneAssessorOptions options;
+  static SceneAssessorOptions options_for(SceneAssessorOptions options, int max_age) {
     options.reference.max_age_frames = max_age;
     options.reference.min_age_frames = std::min(options.reference.min_age_frames, max_age);
     return options;
@@ -210,6 +210,7 @@ int probe(int argc, char** argv) {
   srslam::cli::RunSettings settings;
   std::string output;
   LucasKanadeOptions flow;
+  SceneAssessorOptions scene;
   std::size_t max_frames = 0;
   bool half = false;
   std::vector<int> max_ages = {6};
@@ -221,6 +222,9 @@ int probe(int argc, char** argv) {
   app.add_option("--output", output)->required();
   app.add_flag("--half", half, "halve width and height of the images first");
   app.add_option("--max-ages", max_ages, "greatest ages of the reference, frames")->delimiter(',');
+  app.add_option("--noise", scene.residual.noise_px);
+  app.add_option("--min-continuity", scene.min_continuity);
+  app.add_option("--coast", scene.max_coasted_frames);
   app.add_option("--window", flow.window_px);
   app.add_option("--levels", flow.num_levels);
   app.add_option("--iterations", flow.max_iterations);
@@ -234,8 +238,7 @@ int probe(int argc, char** argv) {
     std::cerr << "reliability_probe: " << reason << '\n';
     return 1;
   }
-  const PinholeCamera camera =
-      half ? inputs.camera.camera.scaled(0.5) : inputs.camera.camera;
+  const PinholeCamera camera = half ? inputs.camera.camera.scaled(0.5) : inputs.camera.camera;
   srslam::Trajectory stamps(inputs.num_frames);
   for (std::size_t i = 0; i < inputs.num_frames; ++i) {
     stamps[i].timestamp_s = inputs.dataset.entry(i).timestamp_s;
@@ -251,13 +254,16 @@ int probe(int argc, char** argv) {
   PlainTracker plain(camera);
   std::vector<AssessedStream> streams;
   streams.reserve(max_ages.size());
-  for (const int max_age : max_ages) streams.emplace_back(camera, flow, max_age);
+  for (const int max_age : max_ages) streams.emplace_back(camera, flow, scene, max_age);
 
   std::ofstream out(output);
   out << "frame,error_m,num_detections,confidence,spatial,feature,depth,current";
   for (const int age : max_ages) {
     const std::string suffix = std::to_string(age);
-    out << ",age_" << suffix << ",alive_" << suffix << ",R_" << suffix;
+    for (const char* column :
+         {"age", "alive", "R", "dominance", "background", "continuity", "farness"}) {
+      out << ',' << column << '_' << suffix;
+    }
     for (const char* variant : {"none", "affine", "rigid"}) {
       for (const char* column :
            {"residual", "magnitude", "cells", "inliers", "certainty", "rival"}) {
@@ -271,6 +277,7 @@ int probe(int argc, char** argv) {
   HalvedFrame halved;
   std::vector<srslam::Detection> detections;
   std::vector<FlowPoint> points;
+  std::vector<FlowPoint> points_guess;
   for (std::size_t i = 0; i < inputs.num_frames; ++i) {
     const srslam::FileStatus loaded = inputs.dataset.load(i, inputs.camera, &frame);
     if (!loaded.ok() || !frame.has_depth) continue;
@@ -315,10 +322,14 @@ int probe(int argc, char** argv) {
             << report.spatial.metric.normalized() << ',' << report.feature.metric.normalized()
             << ',' << report.depth.metric.normalized() << ',' << report.current.value;
       }
+      const srslam::DominantMotionResult& motion = report.residual.motion;
+      const srslam::MotionCandidate& chosen =
+          motion.candidates[static_cast<std::size_t>(motion.chosen)];
       out << ',' << report.reference_age_frames << ',' << report.terms.alive_share << ','
-          << report.reliability;
+          << report.reliability << ',' << report.terms.dominance << ','
+          << report.terms.background_share << ',' << chosen.continuity << ',' << chosen.farness;
       if (!report.terms.initial) {
-        srslam::MotionResidualOptions options;
+        srslam::MotionResidualOptions options = scene.residual;
         for (const MotionCompensation variant :
              {MotionCompensation::kNone, MotionCompensation::kAffine}) {
           options.compensation = variant;
@@ -330,7 +341,7 @@ int probe(int argc, char** argv) {
       } else {
         for (int k = 0; k < 18; ++k) out << ",nan";
       }
-      if (report.reference_changed) stream.tracker.follow(report.next_reference_id);
+      srslam::follow_next_reference(report, camera, &stream.tracker, &points_guess);
     }
     out << '\n';
   }

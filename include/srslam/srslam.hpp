@@ -25,6 +25,7 @@
 #include "srslam/scene/calibration.hpp"
 #include "srslam/scene/classification.hpp"
 #include "srslam/scene/dominant_motion.hpp"
+#include "srslam/scene/flow_prediction.hpp"
 #include "srslam/scene/flow_track.hpp"
 #include "srslam/scene/lucas_kanade_options.hpp"
 #include "srslam/scene/motion_residual.hpp"

@@ -92,9 +92,8 @@ std::string summary_text(const CalibrationResult& result, const std::string& con
   std::string text = "frames judged:  " + std::to_string(result.num_frames) + "\n";
   text += "motion residual: median " + fixed_text(nearest_rank(result.residuals_px, 50.0), 2) +
           " px, largest " + fixed_text(result.residuals_px.back(), 2) + " px\n";
-  text += "reliability:     median " +
-          fixed_text(nearest_rank(result.reliabilities, 50.0), 3) + ", smallest " +
-          fixed_text(result.reliabilities.front(), 3) + "\n";
+  text += "reliability:     median " + fixed_text(nearest_rank(result.reliabilities, 50.0), 3) +
+          ", smallest " + fixed_text(result.reliabilities.front(), 3) + "\n";
   text += "residual scale:  " + fixed_text(result.residual_scale_px, 4) + " px (" +
           fixed_text(100.0 * result.high_motion_share, 1) + " % of the frames above)\n";
   text += "threshold:       " + fixed_text(result.threshold, 4) + " (" +

@@ -1,5 +1,7 @@
 #include "pipeline/scene_module.hpp"
 
+#include "srslam/interop/follow_reference.hpp"
+
 namespace srslam::detail {
 
 SceneReport SceneModule::assess(const PipelineFrame& frame, ArrayView<const Feature> features) {
@@ -30,10 +32,8 @@ SceneReport SceneModule::assess(const PipelineFrame& frame, ArrayView<const Feat
     observation.tracks = tracker_.tracks();
   }
   report = assessor_.assess(observation);
-  if (report.reference_changed) {
-    const Status followed = tracker_.follow(report.next_reference_id);
-    if (report.status.ok()) report.status = followed;
-  }
+  const Status followed = follow_next_reference(report, camera_, &tracker_, &points_);
+  if (report.status.ok()) report.status = followed;
   return report;
 }
 

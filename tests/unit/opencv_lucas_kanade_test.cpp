@@ -106,6 +106,36 @@ TEST(LucasKanadeTracker, AnyRecentFrameCanBecomeTheReference) {
   }
 }
 
+// Sixty pixels between the reference and now are too many to be found from where points were.
+TEST(LucasKanadeTracker, AGuessIsWhereThePointIsSought) {
+  const cv::Mat texture = random_texture(5);
+  const std::vector<FlowPoint> points = grid_points();
+  LucasKanadeOptions options;
+  options.num_levels = 2;
+  LucasKanadeTracker tracker(options);
+  ASSERT_TRUE(tracker.push(1, as_view<std::uint8_t>(view_of(texture, 0, 0)), points).ok());
+  ASSERT_TRUE(tracker.push(2, as_view<std::uint8_t>(view_of(texture, 60, 0)), {}).ok());
+  EXPECT_EQ(tracker.points_of(1).size, points.size());
+  EXPECT_EQ(tracker.points_of(2).size, 0U);
+  EXPECT_EQ(tracker.points_of(3).size, 0U);
+  const auto num_found = [&] {
+    std::size_t count = 0;
+    for (const FlowTrack& track : tracker.tracks()) {
+      if (track.alive && std::abs(track.current.u_px - track.reference.u_px - 60.0F) < 0.3F)
+        ++count;
+    }
+    return count;
+  };
+  ASSERT_TRUE(tracker.follow(1).ok());
+  EXPECT_LT(num_found(), points.size() / 10);
+  std::vector<FlowPoint> guess = points;
+  for (FlowPoint& point : guess) point.u_px += 57.0F;
+  ASSERT_TRUE(tracker.follow(1, guess).ok());
+  EXPECT_GT(num_found(), points.size() * 6 / 10);
+  guess.pop_back();
+  EXPECT_EQ(tracker.follow(1, guess).code, StatusCode::kInvalidArgument);
+}
+
 TEST(LucasKanadeTracker, DropsWhatItCannotFollow) {
   const cv::Mat texture = random_texture(3);
   LucasKanadeTracker tracker;

@@ -73,8 +73,8 @@ TEST(Calibration, InitialFramesAndWhatIsNoNumberDoNotCount) {
   EXPECT_EQ(with.threshold, without.threshold);
 }
 
-// With the values it gives, at least the asked shares of the stable frames are GOOD and at rest; the
-// order of the frames means nothing.
+// With the values it gives, at least the asked shares of the stable frames are GOOD and at rest;
+// the order of the frames means nothing.
 TEST(Calibration, MostStableFramesPassWhatTheyGave) {
   for_each_seed(20, [](Rng& rng) {
     std::vector<ReliabilityTerms> frames;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "srslam/scene/flow_prediction.hpp"
 #include "srslam/scene/motion_residual.hpp"
 #include "support/flow_scene.hpp"
 
@@ -345,6 +346,30 @@ TEST(FlowPoint, TakesDepthAndSuspicionFromTheFrame) {
   EXPECT_EQ(point.depth_m, 0.0F);
   describe_flow_point({}, {}, &point);
   EXPECT_FALSE(point.suspect);
+}
+
+TEST(PredictFlowPoints, IsWhereStillPointsAre) {
+  FlowScene scene;
+  scene.noise_px = 0.0;
+  const std::vector<FlowTrack> tracks = scene.tracks();
+  std::vector<FlowPoint> points;
+  for (const FlowTrack& track : tracks) points.push_back(track.reference);
+  points[0].depth_m = 0.0F;
+  std::vector<FlowPoint> predicted;
+  predict_flow_points(points, scene.camera, scene.T_current_reference, &predicted);
+  ASSERT_EQ(predicted.size(), points.size());
+  EXPECT_EQ(predicted[0].u_px, points[0].u_px);  // without depth there is no telling
+  for (std::size_t i = 1; i < predicted.size(); ++i) {
+    if (!tracks[i].alive) continue;
+    EXPECT_NEAR(predicted[i].u_px, tracks[i].current.u_px, 1e-3F);
+    EXPECT_NEAR(predicted[i].v_px, tracks[i].current.v_px, 1e-3F);
+    EXPECT_EQ(predicted[i].depth_m, points[i].depth_m);
+  }
+  // Behind the camera, and out of the image.
+  predict_flow_points(points, scene.camera, flow_pose(0.0, 0.0, -9.0, 0.0, 0.0, 0.0), &predicted);
+  EXPECT_EQ(predicted[5].u_px, points[5].u_px);
+  predict_flow_points(points, scene.camera, flow_pose(90.0, 0.0, 0.0, 0.0, 0.0, 0.0), &predicted);
+  EXPECT_EQ(predicted[5].u_px, points[5].u_px);
 }
 
 }  // namespace

@@ -231,6 +231,12 @@ TEST(SceneAssessor, CombinesTheTermsAsDocumented) {
               report.current.value * report.factor * std::pow(report.residual.inlier_share, 2.0) *
                   report.residual.dominance * std::sqrt(report.residual.alive_share),
               1e-12);
+  // Two more fall in proportion below a limit.
+  ReliabilityTerms terms = report.terms;
+  terms.background_share = 0.5 * options.min_background_share;
+  EXPECT_NEAR(scene_reliability(terms, options), 0.5 * report.reliability, 1e-12);
+  terms.continuity = 0.1 * options.min_continuity;
+  EXPECT_NEAR(scene_reliability(terms, options), 0.05 * report.reliability, 1e-12);
   EXPECT_LE(report.reliability, report.current.value);
   EXPECT_FALSE(report.confidence.metric.present);  // no detector looked at the frame
   EXPECT_NE(report.line().find("residual"), std::string::npos);
@@ -309,6 +315,75 @@ TEST(SceneAssessor, AMotionSeenOnPeopleAloneIsNotTrusted) {
   EXPECT_NEAR(stream.next(tracks).terms.background_share, 0.25, 0.02);
   for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].current.suspect = i % 3 == 0;
   EXPECT_NEAR(stream.next(tracks).reliability, before, 1e-3);
+}
+
+/// A camera on its way at constant velocity, whose tracks are those of the assessor's reference.
+class MovingStream {
+ public:
+  /// Next frame; `T_mover` moves the points of the given share between any two frames.
+  SceneReport next(double mover_share = 0.0, const Pose& T_mover = Pose::Identity()) {
+    T_world_camera_.push_back(T_world_camera_.back() * step_.inverse());
+    FlowScene scene;
+    scene.mover_share = mover_share;
+    scene.detected_share = 0.0;
+    scene.T_mover = T_mover;
+    scene.seed = T_world_camera_.size();
+    const std::uint64_t id = T_world_camera_.size() - 1;
+    if (stream_.assessor().has_reference()) {
+      const std::uint64_t reference = stream_.assessor().reference_id();
+      scene.T_current_reference = T_world_camera_[id].inverse() * T_world_camera_[reference];
+    }
+    const SceneReport report = stream_.next(scene.tracks());
+    EXPECT_TRUE(report.status.ok());
+    if (report.has_next_motion) {
+      const Pose truth = T_world_camera_[id].inverse() * T_world_camera_[report.next_reference_id];
+      next_motion_error_ = test::pose_distance(report.T_current_next_reference, truth);
+    }
+    return report;
+  }
+
+  double next_motion_error() const { return next_motion_error_; }
+
+ private:
+  AssessedStream stream_;
+  Pose step_ = flow_pose(0.02, -0.01, 0.015, 0.004, 0.01, -0.006);
+  std::vector<Pose> T_world_camera_ = {Pose::Identity()};  // of frame 0, which is not there
+  double next_motion_error_ = 0.0;
+};
+
+TEST(SceneAssessor, ASteadyCameraIsPredictedFromTheFirstJudgedFrameOn) {
+  MovingStream stream;
+  for (int i = 1; i <= 30; ++i) {
+    const SceneReport report = stream.next();
+    if (report.terms.initial) continue;
+    EXPECT_GT(report.terms.continuity, 0.95) << "frame " << i;
+    if (report.reference_changed) {
+      EXPECT_TRUE(report.has_next_motion) << "frame " << i;
+      EXPECT_LT(stream.next_motion_error(), 0.01) << "frame " << i;
+    }
+  }
+}
+
+TEST(SceneAssessor, ALeapOfTheMotionIsDistrustedUntilItLasts) {
+  MovingStream stream;
+  for (int i = 1; i <= 12; ++i) stream.next();
+  // Suddenly nearly everything moves together, and there is no telling it from the room but by the
+  // leap that the camera would have made.
+  const Pose T_mover = flow_pose(0.3, 0.0, 0.0, 0.0, 0.0, 0.0);
+  const int patience = SceneAssessorOptions().max_coasted_frames;
+  for (int i = 0; i < patience; ++i) {
+    const SceneReport report = stream.next(0.95, T_mover);
+    EXPECT_EQ(report.scene_class, SceneClass::kBad) << report.line();
+    EXPECT_LT(report.terms.continuity, 0.3);
+  }
+  EXPECT_STREQ(stream.next(0.95, T_mover).weakest, "continuity");
+  // When the mover is gone, the camera is found where it would be by now.
+  MovingStream other;
+  for (int i = 1; i <= 12; ++i) other.next();
+  for (int i = 0; i < patience - 2; ++i) other.next(0.95, T_mover);
+  const SceneReport report = other.next();
+  EXPECT_GT(report.terms.continuity, 0.9) << report.line();
+  EXPECT_EQ(report.scene_class, SceneClass::kGood) << report.line();
 }
 
 TEST(SceneAssessor, LostTracksRaiseTheResidualToTheScale) {

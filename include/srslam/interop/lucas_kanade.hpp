@@ -64,26 +64,38 @@ class LucasKanadeTracker {
     max_level_ =
         cv::buildOpticalFlowPyramid(as_mat(gray), slot.pyramid, window, options_.num_levels - 1,
                                     true, cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);
-    if (following_) advance(previous());
+    if (following_) advance(previous(), {});
     return Status::success();
   }
 
-  /// Makes a frame the reference, and follows its points into the newest one at once. kNotFound,
-  /// with nothing changed, when it is not among the last `history` frames.
-  Status follow(std::uint64_t frame_id) {
-    for (std::size_t age = 0; age + 1 < slots_.size() && age < num_pushed_; ++age) {
-      const Slot& slot = slot_of(num_pushed_ - age);
-      if (slot.frame_id != frame_id) continue;
-      reference_id_ = frame_id;
-      following_ = true;
-      tracks_.clear();
-      for (const FlowPoint& point : slot.points) {
-        tracks_.push_back({point, point, is_inside(point.u_px, point.v_px)});
-      }
-      if (age > 0) advance(slot);
-      return Status::success();
+  /// Makes a frame the reference, and follows its points into the newest one at once: over several
+  /// frames, so that a guess of where they are now is worth having when the camera moves fast (see
+  /// predict_flow_points()). `guess` has a point for each of points_of(frame_id), or none: they are
+  /// sought where they were. kNotFound, with nothing changed, when the frame is not among the last
+  /// `history` ones; kInvalidArgument for another number of guesses.
+  Status follow(std::uint64_t frame_id, ArrayView<const FlowPoint> guess = {}) {
+    const Slot* slot = find(frame_id);
+    if (slot == nullptr) {
+      return Status::failure(StatusCode::kNotFound, "the frame is not among the last ones");
     }
-    return Status::failure(StatusCode::kNotFound, "the frame is not among the last ones");
+    if (!guess.empty() && guess.size != slot->points.size()) {
+      return Status::failure(StatusCode::kInvalidArgument, "one guess a point is needed");
+    }
+    reference_id_ = frame_id;
+    following_ = true;
+    tracks_.clear();
+    for (const FlowPoint& point : slot->points) {
+      tracks_.push_back({point, point, is_inside(point.u_px, point.v_px)});
+    }
+    if (slot != &newest()) advance(*slot, guess);
+    return Status::success();
+  }
+
+  /// Points that were handed in with one of the last `history` frames; none for another one. Valid
+  /// until the next push().
+  ArrayView<const FlowPoint> points_of(std::uint64_t frame_id) const noexcept {
+    const Slot* slot = find(frame_id);
+    return slot == nullptr ? ArrayView<const FlowPoint>() : slot->points;
   }
 
   bool following() const noexcept { return following_; }
@@ -102,6 +114,15 @@ class LucasKanadeTracker {
   };
 
   Slot& slot_of(std::size_t number) { return slots_[number % slots_.size()]; }
+
+  const Slot* find(std::uint64_t frame_id) const noexcept {
+    for (std::size_t age = 0; age + 1 < slots_.size() && age < num_pushed_; ++age) {
+      const Slot& slot = slots_[(num_pushed_ - age) % slots_.size()];
+      if (slot.frame_id == frame_id) return &slot;
+    }
+    return nullptr;
+  }
+
   Slot& newest() { return slot_of(num_pushed_); }
   Slot& previous() { return slot_of(num_pushed_ - 1); }
 
@@ -113,22 +134,25 @@ class LucasKanadeTracker {
   }
 
   /// Follows the tracks that are alive, whose `current` is in `from`, into the newest frame.
-  void advance(const Slot& from) {
+  /// `guess`, if any, has a point for every track.
+  void advance(const Slot& from, ArrayView<const FlowPoint> guess) {
     start_.clear();
     alive_.clear();
+    end_.clear();
     for (std::size_t i = 0; i < tracks_.size(); ++i) {
       if (!tracks_[i].alive) continue;
       alive_.push_back(i);
       start_.emplace_back(tracks_[i].current.u_px, tracks_[i].current.v_px);
+      if (!guess.empty()) end_.emplace_back(guess[i].u_px, guess[i].v_px);
     }
     if (alive_.empty()) return;
     const Slot& to = newest();
     const cv::Size window(options_.window_px, options_.window_px);
     const cv::TermCriteria criteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS,
                                     options_.max_iterations, options_.epsilon_px);
-    end_.clear();
     cv::calcOpticalFlowPyrLK(from.pyramid, to.pyramid, start_, end_, found_, errors_, window,
-                             max_level_, criteria, 0, options_.min_eigenvalue);
+                             max_level_, criteria, guess.empty() ? 0 : cv::OPTFLOW_USE_INITIAL_FLOW,
+                             options_.min_eigenvalue);
     const bool check_back = options_.max_forward_backward_px > 0.0;
     if (check_back) {
       back_ = start_;

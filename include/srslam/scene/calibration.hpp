@@ -82,9 +82,9 @@ inline CalibrationResult calibrate_reliability(ArrayView<const ReliabilityTerms>
   }
   std::sort(result.residuals_px.begin(), result.residuals_px.end());
   const bool extremes = options.rule == CalibrationRule::kExtremes;
-  result.residual_scale_px = std::max(
-      options.min_residual_scale_px,
-      nearest_rank(result.residuals_px, extremes ? 100.0 : options.residual_percentile));
+  result.residual_scale_px =
+      std::max(options.min_residual_scale_px,
+               nearest_rank(result.residuals_px, extremes ? 100.0 : options.residual_percentile));
   SceneAssessorOptions scaled = assessor;
   scaled.residual_scale_px = result.residual_scale_px;
   result.reliabilities.reserve(result.num_frames);

@@ -101,6 +101,11 @@ struct DominantMotionResult {
   int num_motions = 0;
   int chosen = 0;                               ///< index in `candidates`
   std::array<MotionCandidate, 3> candidates{};  ///< by falling support
+
+  /// Of the chosen motion with the predicted one; 1 without a prediction.
+  double continuity() const noexcept {
+    return num_motions > 0 ? candidates[static_cast<std::size_t>(chosen)].continuity : 1.0;
+  }
 };
 
 namespace detail {
@@ -170,7 +175,8 @@ bool strongest_motion(const Model& model, const DominantMotionOptions& options, 
   for (int num_samples = 0; num_samples < samples_needed(); ++num_samples) {
     std::array<std::int32_t, 3> sample{};
     for (std::size_t k = 0; k < 3; ++k) {
-      sample[k] = w->active[static_cast<std::size_t>(random->integer(static_cast<int>(num_active)))];
+      sample[k] =
+          w->active[static_cast<std::size_t>(random->integer(static_cast<int>(num_active)))];
     }
     if (sample[0] == sample[1] || sample[0] == sample[2] || sample[1] == sample[2]) continue;
     candidate = guess;

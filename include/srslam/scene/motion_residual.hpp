@@ -47,6 +47,9 @@ struct MotionResidualOptions {
   MotionCompensation compensation = MotionCompensation::kRigid;
   CellMean cell_mean = CellMean::kOccupiedCells;
   DominantMotionOptions motion;  ///< its reference_width_px holds for the residual, too
+  /// A compensated motion vector is shortened by this [px at the reference width], the noise of
+  /// tracks that stand still, which grows as the camera moves. >= 0
+  double noise_px = 0.5;
   /// A compensated motion vector counts with at most this length [px at the reference width]: what
   /// moves counts by how much of the image it is, not by how fast it is or by how wrong a track.
   /// Infinite: not limited. > 0
@@ -60,6 +63,10 @@ struct MotionResidualOptions {
     }
     if (!(max_vector_px > 0.0)) {
       return Status::failure(StatusCode::kInvalidArgument, "max_vector_px must be positive");
+    }
+    if (!(noise_px >= 0.0) || !std::isfinite(noise_px)) {
+      return Status::failure(StatusCode::kInvalidArgument,
+                             "noise_px must be finite and not negative");
     }
     return motion.validate();
   }
@@ -171,6 +178,7 @@ void measure_residual(const Model& model, const typename Model::Parameters& moti
   ResidualSums sums;
   const double px_scale = double(camera.width_px) / options.motion.reference_width_px;
   const double max_length_px = options.max_vector_px * px_scale;
+  const double noise_px = options.noise_px * px_scale;
   Eigen::Vector2d predicted_px;
   for (std::size_t i = 0; i < workspace.track.size(); ++i) {
     if (!model.predict(motion, workspace, i, &predicted_px)) continue;
@@ -178,7 +186,8 @@ void measure_residual(const Model& model, const typename Model::Parameters& moti
     const Eigen::Vector2d observed_px(double(workspace.u_px[i]), double(workspace.v_px[i]));
     Eigen::Vector2d left_px = observed_px - predicted_px;
     const double length_px = left_px.norm();
-    if (length_px > max_length_px) left_px *= max_length_px / length_px;
+    const double counted_px = std::clamp(length_px - noise_px, 0.0, max_length_px);
+    if (length_px > 0.0) left_px *= counted_px / length_px;
     sums.add(grid_cell(double(reference.u_px), double(reference.v_px), camera.width_px,
                        camera.height_px),
              left_px);
@@ -267,8 +276,8 @@ inline MotionResidualResult motion_residual_given_pose(ArrayView<const FlowTrack
     result.status = result.motion.status;
     return result;
   }
-  detail::measure_residual(detail::RigidModel(camera), T_current_reference, tracks, camera,
-                           options, *workspace, &result);
+  detail::measure_residual(detail::RigidModel(camera), T_current_reference, tracks, camera, options,
+                           *workspace, &result);
   return result;
 }
 

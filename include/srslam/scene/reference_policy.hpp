@@ -23,7 +23,7 @@ struct ReferenceOptions {
   int max_age_frames = 6;        ///< an older reference is replaced; >= min_age_frames
   double min_alive_share = 0.3;  ///< so is one of which fewer points are followed; [0, 1]
   int min_alive_tracks = 10;     ///< or fewer than this; >= 0
-  int num_candidates = 3;        ///< frames of at least that age among which the successor is; 1..30
+  int num_candidates = 3;  ///< frames of at least that age among which the successor is; 1..30
 
   /// Last frames that must be at hand, since any of them may become the reference.
   int num_recent_frames() const noexcept {
@@ -59,7 +59,9 @@ struct ReferenceCandidate {
   bool good = false;                 ///< Eq. 8
   double alive_share = 1.0;          ///< of the reference's points that are followed up to here
   int num_alive = 0;
-  PlainPose T_odometry_frame;  ///< for the caller, who gets it back with the reference
+  // For the caller, who gets them back with the reference.
+  PlainPose T_path_frame;     ///< pose on a path
+  std::uint64_t path_id = 0;  ///< poses of different paths do not compare
 };
 
 /// Keeps the reference frame: the best of the initial ones, then whichever is better, and one of

@@ -42,6 +42,11 @@ struct SceneAssessorOptions {
   /// of movable objects, the motion may be theirs and the reliability falls in proportion, to 0
   /// when they cover everything. [0, 1], 0: not asked
   double min_background_share = 0.5;
+  /// A motion that continues the camera's so far less than this (MotionCandidate::continuity) is
+  /// not taken for its: the reliability falls in proportion, and the camera is thought to go on as
+  /// it did, but for no more than `max_coasted_frames` in a row. [0, 1], 0: not asked
+  double min_continuity = 0.3;
+  int max_coasted_frames = 10;  ///< >= 0
   /// Powers with which these multiply Eq. 7; >= 0, 0 as printed: the share of tracks that move with
   /// the camera, its weight against the strongest other motion, and the share still followed.
   double inlier_share_power = 1.0;
@@ -66,6 +71,10 @@ struct SceneAssessorOptions {
     if (!(min_background_share >= 0.0) || min_background_share > 1.0) {
       return Status::failure(StatusCode::kInvalidArgument,
                              "min_background_share must be in [0, 1]");
+    }
+    if (!(min_continuity >= 0.0) || min_continuity > 1.0 || max_coasted_frames < 0) {
+      return Status::failure(StatusCode::kInvalidArgument,
+                             "min_continuity must be in [0, 1], max_coasted_frames not negative");
     }
     if (!power(inlier_share_power) || !power(dominance_power) || !power(alive_share_power)) {
       return Status::failure(StatusCode::kInvalidArgument,
@@ -98,6 +107,7 @@ struct SceneAssessorOptions {
     options.inlier_share_power = 0.0;
     options.dominance_power = 0.0;
     options.alive_share_power = 0.0;
+    options.min_continuity = 0.0;
     return options;
   }
 };
@@ -108,6 +118,7 @@ struct ReliabilityTerms {
   double residual_px = 0.0;  ///< Eq. 6, at the reference width
   double inlier_share = 1.0;
   double dominance = 1.0;         ///< see MotionResidualResult
+  double continuity = 1.0;        ///< see MotionCandidate; 1 where nothing was predicted
   double background_share = 1.0;  ///< of the inliers, outside boxes of movable objects
   double alive_share = 1.0;
   bool initial = false;  ///< judged without motion: the other terms do not count
@@ -120,14 +131,14 @@ inline double scene_reliability(const ReliabilityTerms& terms,
   const auto share_term = [](double share, double power) {
     return power == 0.0 ? 1.0 : std::pow(share, power);
   };
+  const auto below = [](double share, double limit) { return share < limit ? share / limit : 1.0; };
   return scene_reliability(terms.current, terms.residual_px, options.residual_scale_px,
                            options.factor) *
          share_term(terms.inlier_share, options.inlier_share_power) *
          share_term(terms.dominance, options.dominance_power) *
          share_term(terms.alive_share, options.alive_share_power) *
-         (terms.background_share < options.min_background_share
-              ? terms.background_share / options.min_background_share
-              : 1.0);
+         below(terms.background_share, options.min_background_share) *
+         below(terms.continuity, options.min_continuity);
 }
 
 /// One frame as the assessor takes it. Views are read during assess() only.
@@ -167,7 +178,11 @@ struct SceneReport {
   bool reference_changed = false;  ///< from the next frame on
   std::uint64_t next_reference_id = 0;
   const char* reference_reason = "";  ///< why it changed
-  const char* weakest = "";           ///< term with the lowest value
+  /// Motion since the next reference, as far as the tracks tell: where its points are to be sought
+  /// (predict_flow_points()). Only when reference_changed.
+  bool has_next_motion = false;
+  Pose T_current_next_reference = Pose::Identity();
+  const char* weakest = "";  ///< term with the lowest value
 
   /// Everything in one line.
   std::string line() const {
@@ -178,9 +193,10 @@ struct SceneReport {
     } else {
       text += " x factor" + number(factor) + " (residual" + number(terms.residual_px) + " px, " +
               to_string(residual.compensation) + ") x inliers" + number(terms.inlier_share) +
-              " x dominance" + number(terms.dominance) + "; background" +
-              number(terms.background_share) + ", alive" + number(terms.alive_share) +
-              ", reference " + std::to_string(reference_age_frames) + " frames old";
+              " x dominance" + number(terms.dominance) + "; continuity" + number(terms.continuity) +
+              ", background" + number(terms.background_share) + ", alive" +
+              number(terms.alive_share) + ", reference " + std::to_string(reference_age_frames) +
+              " frames old";
     }
     text += "; confidence" + number(confidence.metric.normalized()) + " spatial" +
             number(spatial.metric.normalized()) + " feature" + number(feature.metric.normalized()) +
@@ -213,10 +229,13 @@ class SceneAssessor {
     ReferencePolicy policy;
     std::uint64_t last_frame_id = 0;
     bool has_last = false;
-    /// Camera's path as far as the tracks tell, for the prediction of the next motion.
+    /// Where the tracks say that the camera was, for the prediction of its next motion. A frame
+    /// whose tracks give no pose starts another path: its place on the last one is unknown.
+    PlainPose T_path_last;
+    std::uint64_t path_id = 0;
     bool has_velocity = false;
-    PlainPose T_odometry_last;
-    PlainPose T_last_before;  ///< motion of the last frame, for constant velocity
+    PlainPose T_before_last;     ///< motion into the last frame that was measured
+    int num_coasted_frames = 0;  ///< that were not, in a row
   };
 
   explicit SceneAssessor(const PinholeCamera& camera, const SceneAssessorOptions& options = {})
@@ -252,11 +271,8 @@ class SceneAssessor {
     report.reference_id = reference_id();
     report.reference_age_frames =
         state_.policy.has_reference() ? state_.policy.age_frames() + 1 : 0;
-    if (report.terms.initial) {
-      move_to(T_odometry_predicted(), false);
-    } else {
-      judge_motion(frame, &report);
-    }
+    measure_motion(frame, &report);
+    if (!report.terms.initial) judge_motion(&report);
     report.reliability = scene_reliability(report.terms, options_);
     report.scene_class = classify_scene(report.reliability, options_.threshold);
     name_weakest(&report);
@@ -267,13 +283,20 @@ class SceneAssessor {
     candidate.frame_id = frame.frame_id;
     candidate.current_reliability = report.current.value;
     candidate.good = report.scene_class == SceneClass::kGood;
-    candidate.T_odometry_frame = state_.T_odometry_last;
+    candidate.T_path_frame = state_.T_path_last;
+    candidate.path_id = state_.path_id;
     if (!report.terms.initial) {
       candidate.alive_share = report.residual.alive_share;
       candidate.num_alive = report.residual.num_alive;
     }
     report.reference_changed = state_.policy.update(candidate, &report.reference_reason);
     report.next_reference_id = reference_id();
+    const ReferenceCandidate& next = state_.policy.reference();
+    report.has_next_motion = report.reference_changed && next.path_id == state_.path_id;
+    if (report.has_next_motion) {
+      report.T_current_next_reference =
+          state_.T_path_last.pose().inverse() * next.T_path_frame.pose();
+    }
     return report;
   }
 
@@ -305,26 +328,56 @@ class SceneAssessor {
                                           options_.current);
   }
 
-  /// Constant velocity.
-  Pose T_odometry_predicted() const noexcept {
-    const Pose T_odometry_last = state_.T_odometry_last.pose();
-    return state_.has_velocity ? Pose(T_odometry_last * state_.T_last_before.pose())
-                               : T_odometry_last;
-  }
-
-  /// Eq. 6 and 7.
-  void judge_motion(const SceneObservation& frame, SceneReport* report) {
-    const Pose T_odometry_here = T_odometry_predicted();
-    const Pose T_odometry_reference = state_.policy.reference().T_odometry_frame.pose();
-    const Pose T_here_reference = T_odometry_here.inverse() * T_odometry_reference;
-    if (frame.T_current_reference != nullptr) {
-      report->residual = motion_residual_given_pose(
-          frame.tracks, camera_, *frame.T_current_reference, options_.residual, &workspace_);
+  /// Eq. 6, and where that puts the camera. Initial frames are measured, too, though not judged by
+  /// it: the path begins there.
+  void measure_motion(const SceneObservation& frame, SceneReport* report) {
+    const ReferenceCandidate& reference = state_.policy.reference();
+    const Pose T_path_reference = reference.T_path_frame.pose();
+    const Pose T_path_last = state_.T_path_last.pose();
+    const bool on_path = state_.policy.has_reference() && reference.path_id == state_.path_id;
+    // Constant velocity.
+    Pose T_predicted_reference = Pose::Identity();
+    const bool has_prediction = on_path && state_.has_velocity;
+    if (has_prediction) {
+      T_predicted_reference =
+          (T_path_last * state_.T_before_last.pose()).inverse() * T_path_reference;
+    }
+    MotionResidualResult& residual = report->residual;
+    if (!state_.policy.has_reference()) {
+      // Nothing to measure against.
+    } else if (frame.T_current_reference != nullptr) {
+      residual = motion_residual_given_pose(frame.tracks, camera_, *frame.T_current_reference,
+                                            options_.residual, &workspace_);
     } else {
-      report->residual =
-          motion_residual(frame.tracks, camera_, state_.has_velocity ? &T_here_reference : nullptr,
+      residual =
+          motion_residual(frame.tracks, camera_, has_prediction ? &T_predicted_reference : nullptr,
                           options_.residual, &workspace_);
     }
+    const bool measured =
+        residual.status.ok() && residual.compensation == MotionCompensation::kRigid;
+    if (measured && has_prediction && residual.motion.continuity() < options_.min_continuity &&
+        state_.num_coasted_frames < options_.max_coasted_frames) {
+      state_.T_path_last = PlainPose(T_path_last * state_.T_before_last.pose());
+      ++state_.num_coasted_frames;
+    } else if (measured) {
+      const Pose T_path_here = T_path_reference * residual.motion.T_current_reference.inverse();
+      if (on_path) {
+        state_.T_before_last = PlainPose(T_path_last.inverse() * T_path_here);
+        state_.has_velocity = state_.num_coasted_frames == 0;
+      }
+      state_.num_coasted_frames = 0;
+      state_.T_path_last = PlainPose(T_path_here);
+      state_.path_id = reference.path_id;
+    } else {
+      state_.T_path_last = PlainPose();
+      state_.path_id = frame.frame_id;
+      state_.has_velocity = false;
+      state_.num_coasted_frames = 0;
+    }
+  }
+
+  /// The terms of Eq. 7 that motion gives.
+  void judge_motion(SceneReport* report) const noexcept {
     const MotionResidualResult& residual = report->residual;
     const bool measured = residual.status.ok();
     ReliabilityTerms& terms = report->terms;
@@ -338,21 +391,12 @@ class SceneAssessor {
     if (options_.residual.compensation != MotionCompensation::kNone) {
       terms.inlier_share = measured ? residual.inlier_share : 0.0;
       terms.dominance = measured ? residual.dominance : 0.0;
+      terms.continuity = measured ? residual.motion.continuity() : 0.0;
       terms.background_share = measured ? residual.motion.background_share : 0.0;
     }
     report->high_motion = terms.residual_px > options_.residual_scale_px;
     report->factor =
         residual_factor(terms.residual_px, options_.residual_scale_px, options_.factor);
-    const bool has_pose = measured && residual.compensation == MotionCompensation::kRigid;
-    move_to(has_pose ? Pose(T_odometry_reference * residual.motion.T_current_reference.inverse())
-                     : T_odometry_here,
-            has_pose);
-  }
-
-  void move_to(const Pose& T_odometry_here, bool has_pose) noexcept {
-    state_.T_last_before = PlainPose(state_.T_odometry_last.pose().inverse() * T_odometry_here);
-    state_.has_velocity = has_pose && state_.has_last;
-    state_.T_odometry_last = PlainPose(T_odometry_here);
   }
 
   void name_weakest(SceneReport* report) const noexcept {
@@ -374,6 +418,9 @@ class SceneAssessor {
     if (options_.inlier_share_power > 0.0) consider("share of inliers", report->terms.inlier_share);
     if (report->terms.background_share < options_.min_background_share) {
       consider("share of background", report->terms.background_share);
+    }
+    if (report->terms.continuity < options_.min_continuity) {
+      consider("continuity", report->terms.continuity);
     }
     if (options_.dominance_power > 0.0) consider("dominance", report->terms.dominance);
     if (options_.alive_share_power > 0.0) consider("share alive", report->terms.alive_share);
