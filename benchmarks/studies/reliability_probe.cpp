@@ -211,6 +211,7 @@ int probe(int argc, char** argv) {
   std::string output;
   LucasKanadeOptions flow;
   SceneAssessorOptions scene;
+  srslam::FeatureOptions orb;
   std::size_t max_frames = 0;
   bool half = false;
   std::vector<int> max_ages = {6};
@@ -222,6 +223,7 @@ int probe(int argc, char** argv) {
   app.add_option("--output", output)->required();
   app.add_flag("--half", half, "halve width and height of the images first");
   app.add_option("--max-ages", max_ages, "greatest ages of the reference, frames")->delimiter(',');
+  app.add_option("--features", orb.num_features);
   app.add_option("--noise", scene.residual.noise_px);
   app.add_option("--min-continuity", scene.min_continuity);
   app.add_option("--coast", scene.max_coasted_frames);
@@ -249,7 +251,7 @@ int probe(int argc, char** argv) {
     truth[match.estimate_index] = &inputs.groundtruth[match.reference_index].T_world_camera;
   }
 
-  srslam::detail::OrbExtractor extractor{srslam::FeatureOptions{}};
+  srslam::detail::OrbExtractor extractor{orb};
   srslam::detail::OrbFeatures features;
   PlainTracker plain(camera);
   std::vector<AssessedStream> streams;

@@ -9,7 +9,7 @@ namespace srslam::cli {
 
 namespace {
 
-constexpr int kNumSceneColumns = 17;
+constexpr int kNumSceneColumns = 18;
 constexpr int kTimeDecimals = 3;
 
 /// A number that exists, or nothing.
@@ -27,7 +27,7 @@ std::string scene_columns(const SceneReport& scene) {
     line += "," + optional_text(value, kDecimals);
   }
   if (scene.terms.initial) {
-    line += ",,,,,,,,,";
+    line += ",,,,,,,,,,";
   } else {
     line += "," + fixed_text(scene.terms.residual_px, kDecimals) + "," +
             to_string(scene.residual.compensation) + "," +
@@ -35,6 +35,7 @@ std::string scene_columns(const SceneReport& scene) {
             fixed_text(scene.terms.dominance, kDecimals) + "," +
             fixed_text(scene.terms.background_share, kDecimals) + "," +
             fixed_text(scene.terms.continuity, kDecimals) + "," +
+            fixed_text(scene.terms.settled_share, kDecimals) + "," +
             fixed_text(scene.terms.alive_share, kDecimals) + "," +
             fixed_text(scene.residual.motion.certainty, kDecimals) + "," +
             std::to_string(scene.reference_age_frames);
@@ -50,7 +51,8 @@ std::string frames_csv_header() {
       "relocalized,is_keyframe,keyframe_reason,num_keyframes,num_map_points,scene_class,"
       "reliability,"
       "current_reliability,confidence,spatial,feature,depth,residual_px,residual_kind,inlier_share,"
-      "dominance,background_share,continuity,alive_share,motion_certainty,reference_age_frames,"
+      "dominance,background_share,continuity,settled_share,alive_share,motion_certainty,reference_"
+      "age_frames,"
       "scene_reason,"
       "decode_ms,read_"
       "wait_ms";

@@ -342,6 +342,12 @@ class MovingStream {
     return report;
   }
 
+  /// A frame into which no point was followed.
+  SceneReport next_blind() {
+    T_world_camera_.push_back(T_world_camera_.back() * step_.inverse());
+    return stream_.next();
+  }
+
   double next_motion_error() const { return next_motion_error_; }
 
  private:
@@ -384,6 +390,25 @@ TEST(SceneAssessor, ALeapOfTheMotionIsDistrustedUntilItLasts) {
   const SceneReport report = other.next();
   EXPECT_GT(report.terms.continuity, 0.9) << report.line();
   EXPECT_EQ(report.scene_class, SceneClass::kGood) << report.line();
+}
+
+TEST(SceneAssessor, AfterAllTracksWereLostItSettlesAnew) {
+  MovingStream stream;
+  for (int i = 1; i <= 12; ++i) EXPECT_EQ(stream.next().terms.settled_share, 1.0);
+  // A second of nothing: nothing is left of the path, and of the references on it.
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_EQ(stream.next_blind().scene_class, SceneClass::kBad);
+  }
+  double last = 0.0;
+  for (int i = 0; i < 40; ++i) {
+    const SceneReport report = stream.next();
+    if (!report.residual.status.ok()) continue;
+    EXPECT_GE(report.terms.settled_share, last);
+    last = report.terms.settled_share;
+    if (last < 0.2) EXPECT_EQ(report.scene_class, SceneClass::kBad) << report.line();
+  }
+  EXPECT_EQ(last, 1.0);
+  EXPECT_EQ(stream.next().scene_class, SceneClass::kGood);
 }
 
 TEST(SceneAssessor, LostTracksRaiseTheResidualToTheScale) {

@@ -60,8 +60,9 @@ struct ReferenceCandidate {
   double alive_share = 1.0;          ///< of the reference's points that are followed up to here
   int num_alive = 0;
   // For the caller, who gets them back with the reference.
-  PlainPose T_path_frame;     ///< pose on a path
-  std::uint64_t path_id = 0;  ///< poses of different paths do not compare
+  PlainPose T_path_frame;        ///< pose on a path
+  std::uint64_t path_id = 0;     ///< poses of different paths do not compare
+  std::uint64_t path_begin = 0;  ///< number of the path's first frame; 0 for the first path
 };
 
 /// Keeps the reference frame: the best of the initial ones, then whichever is better, and one of

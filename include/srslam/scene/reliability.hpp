@@ -46,7 +46,11 @@ struct SceneAssessorOptions {
   /// not taken for its: the reliability falls in proportion, and the camera is thought to go on as
   /// it did, but for no more than `max_coasted_frames` in a row. [0, 1], 0: not asked
   double min_continuity = 0.3;
-  int max_coasted_frames = 10;  ///< >= 0
+  int max_coasted_frames = 3;  ///< >= 0
+  /// When every track of the reference was lost, nobody knows how what is seen now moves against
+  /// what was seen before: the reliability begins at 0 again and is back after so many frames that
+  /// are connected by tracks. 0: not asked
+  int num_settling_frames = 30;
   /// Powers with which these multiply Eq. 7; >= 0, 0 as printed: the share of tracks that move with
   /// the camera, its weight against the strongest other motion, and the share still followed.
   double inlier_share_power = 1.0;
@@ -72,9 +76,12 @@ struct SceneAssessorOptions {
       return Status::failure(StatusCode::kInvalidArgument,
                              "min_background_share must be in [0, 1]");
     }
-    if (!(min_continuity >= 0.0) || min_continuity > 1.0 || max_coasted_frames < 0) {
+    if (!(min_continuity >= 0.0) || min_continuity > 1.0) {
+      return Status::failure(StatusCode::kInvalidArgument, "min_continuity must be in [0, 1]");
+    }
+    if (max_coasted_frames < 0 || num_settling_frames < 0) {
       return Status::failure(StatusCode::kInvalidArgument,
-                             "min_continuity must be in [0, 1], max_coasted_frames not negative");
+                             "numbers of coasted and settling frames must not be negative");
     }
     if (!power(inlier_share_power) || !power(dominance_power) || !power(alive_share_power)) {
       return Status::failure(StatusCode::kInvalidArgument,
@@ -108,6 +115,7 @@ struct SceneAssessorOptions {
     options.dominance_power = 0.0;
     options.alive_share_power = 0.0;
     options.min_continuity = 0.0;
+    options.num_settling_frames = 0;
     return options;
   }
 };
@@ -119,6 +127,7 @@ struct ReliabilityTerms {
   double inlier_share = 1.0;
   double dominance = 1.0;         ///< see MotionResidualResult
   double continuity = 1.0;        ///< see MotionCandidate; 1 where nothing was predicted
+  double settled_share = 1.0;     ///< of num_settling_frames, since tracks were lost altogether
   double background_share = 1.0;  ///< of the inliers, outside boxes of movable objects
   double alive_share = 1.0;
   bool initial = false;  ///< judged without motion: the other terms do not count
@@ -138,7 +147,8 @@ inline double scene_reliability(const ReliabilityTerms& terms,
          share_term(terms.dominance, options.dominance_power) *
          share_term(terms.alive_share, options.alive_share_power) *
          below(terms.background_share, options.min_background_share) *
-         below(terms.continuity, options.min_continuity);
+         below(terms.continuity, options.min_continuity) *
+         (options.num_settling_frames > 0 ? terms.settled_share : 1.0);
 }
 
 /// One frame as the assessor takes it. Views are read during assess() only.
@@ -194,9 +204,9 @@ struct SceneReport {
       text += " x factor" + number(factor) + " (residual" + number(terms.residual_px) + " px, " +
               to_string(residual.compensation) + ") x inliers" + number(terms.inlier_share) +
               " x dominance" + number(terms.dominance) + "; continuity" + number(terms.continuity) +
-              ", background" + number(terms.background_share) + ", alive" +
-              number(terms.alive_share) + ", reference " + std::to_string(reference_age_frames) +
-              " frames old";
+              ", settled" + number(terms.settled_share) + ", background" +
+              number(terms.background_share) + ", alive" + number(terms.alive_share) +
+              ", reference " + std::to_string(reference_age_frames) + " frames old";
     }
     text += "; confidence" + number(confidence.metric.normalized()) + " spatial" +
             number(spatial.metric.normalized()) + " feature" + number(feature.metric.normalized()) +
@@ -233,6 +243,8 @@ class SceneAssessor {
     /// whose tracks give no pose starts another path: its place on the last one is unknown.
     PlainPose T_path_last;
     std::uint64_t path_id = 0;
+    std::uint64_t path_begin = 0;
+    std::uint64_t num_frames = 0;
     bool has_velocity = false;
     PlainPose T_before_last;     ///< motion into the last frame that was measured
     int num_coasted_frames = 0;  ///< that were not, in a row
@@ -266,6 +278,7 @@ class SceneAssessor {
     measure(frame, &report);
     if (!report.status.ok()) return report;
     report.terms.initial = state_.policy.initializing() || !state_.policy.has_reference();
+    ++state_.num_frames;
     // Without any metric nothing speaks for a frame.
     report.terms.current = report.current.status.ok() ? report.current.value : 0.0;
     report.reference_id = reference_id();
@@ -285,6 +298,7 @@ class SceneAssessor {
     candidate.good = report.scene_class == SceneClass::kGood;
     candidate.T_path_frame = state_.T_path_last;
     candidate.path_id = state_.path_id;
+    candidate.path_begin = state_.path_begin;
     if (!report.terms.initial) {
       candidate.alive_share = report.residual.alive_share;
       candidate.num_alive = report.residual.num_alive;
@@ -368,9 +382,11 @@ class SceneAssessor {
       state_.num_coasted_frames = 0;
       state_.T_path_last = PlainPose(T_path_here);
       state_.path_id = reference.path_id;
+      state_.path_begin = reference.path_begin;
     } else {
       state_.T_path_last = PlainPose();
       state_.path_id = frame.frame_id;
+      state_.path_begin = report->terms.initial ? 0 : state_.num_frames;
       state_.has_velocity = false;
       state_.num_coasted_frames = 0;
     }
@@ -393,6 +409,11 @@ class SceneAssessor {
       terms.dominance = measured ? residual.dominance : 0.0;
       terms.continuity = measured ? residual.motion.continuity() : 0.0;
       terms.background_share = measured ? residual.motion.background_share : 0.0;
+    }
+    if (measured && residual.compensation == MotionCompensation::kRigid && state_.path_begin > 0) {
+      const auto num_connected = double(state_.num_frames - state_.path_begin);
+      terms.settled_share =
+          std::min(1.0, num_connected / std::max(1, options_.num_settling_frames));
     }
     report->high_motion = terms.residual_px > options_.residual_scale_px;
     report->factor =
@@ -422,6 +443,7 @@ class SceneAssessor {
     if (report->terms.continuity < options_.min_continuity) {
       consider("continuity", report->terms.continuity);
     }
+    if (options_.num_settling_frames > 0) consider("settling", report->terms.settled_share);
     if (options_.dominance_power > 0.0) consider("dominance", report->terms.dominance);
     if (options_.alive_share_power > 0.0) consider("share alive", report->terms.alive_share);
   }
