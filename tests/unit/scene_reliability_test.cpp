@@ -405,7 +405,9 @@ TEST(SceneAssessor, AfterAllTracksWereLostItSettlesAnew) {
     if (!report.residual.status.ok()) continue;
     EXPECT_GE(report.terms.settled_share, last);
     last = report.terms.settled_share;
-    if (last < 0.2) EXPECT_EQ(report.scene_class, SceneClass::kBad) << report.line();
+    if (last < 0.2) {
+      EXPECT_EQ(report.scene_class, SceneClass::kBad) << report.line();
+    }
   }
   EXPECT_EQ(last, 1.0);
   EXPECT_EQ(stream.next().scene_class, SceneClass::kGood);
