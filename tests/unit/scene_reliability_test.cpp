@@ -320,6 +320,8 @@ TEST(SceneAssessor, AMotionSeenOnPeopleAloneIsNotTrusted) {
 /// A camera on its way at constant velocity, whose tracks are those of the assessor's reference.
 class MovingStream {
  public:
+  explicit MovingStream(const SceneAssessorOptions& options = {}) : stream_(options) {}
+
   /// Next frame; `T_mover` moves the points of the given share between any two frames.
   SceneReport next(double mover_share = 0.0, const Pose& T_mover = Pose::Identity()) {
     T_world_camera_.push_back(T_world_camera_.back() * step_.inverse());
@@ -371,12 +373,14 @@ TEST(SceneAssessor, ASteadyCameraIsPredictedFromTheFirstJudgedFrameOn) {
 }
 
 TEST(SceneAssessor, ALeapOfTheMotionIsDistrustedUntilItLasts) {
-  MovingStream stream;
+  SceneAssessorOptions options;
+  options.max_coasted_frames = 10;
+  MovingStream stream(options);
   for (int i = 1; i <= 12; ++i) stream.next();
   // Suddenly nearly everything moves together, and there is no telling it from the room but by the
   // leap that the camera would have made.
   const Pose T_mover = flow_pose(0.3, 0.0, 0.0, 0.0, 0.0, 0.0);
-  const int patience = SceneAssessorOptions().max_coasted_frames;
+  const int patience = options.max_coasted_frames;
   for (int i = 0; i < patience; ++i) {
     const SceneReport report = stream.next(0.95, T_mover);
     EXPECT_EQ(report.scene_class, SceneClass::kBad) << report.line();
@@ -384,7 +388,7 @@ TEST(SceneAssessor, ALeapOfTheMotionIsDistrustedUntilItLasts) {
   }
   EXPECT_STREQ(stream.next(0.95, T_mover).weakest, "continuity");
   // When the mover is gone, the camera is found where it would be by now.
-  MovingStream other;
+  MovingStream other(options);
   for (int i = 1; i <= 12; ++i) other.next();
   for (int i = 0; i < patience - 2; ++i) other.next(0.95, T_mover);
   const SceneReport report = other.next();

@@ -46,7 +46,7 @@ struct SceneAssessorOptions {
   /// not taken for its: the reliability falls in proportion, and the camera is thought to go on as
   /// it did, but for no more than `max_coasted_frames` in a row. [0, 1], 0: not asked
   double min_continuity = 0.3;
-  int max_coasted_frames = 3;  ///< >= 0
+  int max_coasted_frames = 0;  ///< >= 0
   /// When every track of the reference was lost, nobody knows how what is seen now moves against
   /// what was seen before: the reliability begins at 0 again and is back after so many frames that
   /// are connected by tracks. 0: not asked
