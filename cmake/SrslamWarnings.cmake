@@ -5,6 +5,10 @@
 function(srslam_set_warnings target)
   if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+    if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+      # Part of -Wconversion to Clang, a warning of its own to GCC.
+      target_compile_options(${target} PRIVATE -Wno-sign-conversion)
+    endif()
     if(SRSLAM_WARNINGS_AS_ERRORS)
       target_compile_options(${target} PRIVATE -Werror)
     endif()

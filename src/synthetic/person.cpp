@@ -244,9 +244,10 @@ PersonBuild make_person(std::uint64_t seed, TexturePainter* painter, Scene* scen
   const double girth = random.uniform(0.94, 1.12);
 
   const auto clothes_color = [&]() {
-    return Color(static_cast<float>(random.uniform(35.0, 190.0)),
-                 static_cast<float>(random.uniform(35.0, 190.0)),
-                 static_cast<float>(random.uniform(35.0, 200.0)));
+    const float red = static_cast<float>(random.uniform(35.0, 200.0));
+    const float green = static_cast<float>(random.uniform(35.0, 190.0));
+    const float blue = static_cast<float>(random.uniform(35.0, 190.0));
+    return Color(blue, green, red);
   };
   const float tone = static_cast<float>(random.uniform(0.45, 1.0));
   const Color skin_color = tone * Color(150.0F, 178.0F, 222.0F);

@@ -106,30 +106,34 @@ class Furnisher {
   }
 
   void clutter(const Pose& desk_pose, const Eigen::Vector2d& size_m) {
+    const double keyboard_yaw_rad = random_.uniform(-0.15, 0.15);
+    const double keyboard_x_m = random_.uniform(-0.35, -0.2);
     flat(painter_.keyboard(0.44, 0.14), {0.44, 0.14, 0.022},
-         desk_pose * placed(random_.uniform(-0.35, -0.2), -0.22, kDeskHeight_m + 0.011,
-                            random_.uniform(-0.15, 0.15)));
+         desk_pose * placed(keyboard_x_m, -0.22, kDeskHeight_m + 0.011, keyboard_yaw_rad));
     if (low_texture_) return;
     for (int i = 0; i < 5; ++i) {
       const double thickness_m = 0.002 + 0.001 * i;  // no two lie in the same plane
+      const double yaw_rad = random_.uniform(0.0, 2.0 * kPi);
+      const double y_m = random_.uniform(-0.35, 0.1) * size_m.y();
+      const double x_m = random_.uniform(-0.45, 0.45) * size_m.x();
       flat(painter_.sheet(0.21, 0.297), {0.21, 0.297, thickness_m},
-           desk_pose * placed(random_.uniform(-0.45, 0.45) * size_m.x(),
-                              random_.uniform(-0.35, 0.1) * size_m.y(),
-                              kDeskHeight_m + 0.5 * thickness_m, random_.uniform(0.0, 2.0 * kPi)));
+           desk_pose * placed(x_m, y_m, kDeskHeight_m + 0.5 * thickness_m, yaw_rad));
     }
     for (int i = 0; i < 3; ++i) {
       Part mug;
-      mug.shape = cylinder_shape(random_.uniform(0.035, 0.045), random_.uniform(0.09, 0.14));
+      const double mug_height_m = random_.uniform(0.09, 0.14);
+      mug.shape = cylinder_shape(random_.uniform(0.035, 0.045), mug_height_m);
       mug.material = solid(painter_.cloth(0.3, 0.15, random_color(), i));
-      scene_.add_static(mug, desk_pose * placed(random_.uniform(-0.42, 0.42) * size_m.x(),
-                                                random_.uniform(-0.4, 0.3) * size_m.y(),
-                                                kDeskHeight_m + mug.shape.scale_m.z()));
+      const double y_m = random_.uniform(-0.4, 0.3) * size_m.y();
+      const double x_m = random_.uniform(-0.42, 0.42) * size_m.x();
+      scene_.add_static(mug, desk_pose * placed(x_m, y_m, kDeskHeight_m + mug.shape.scale_m.z()));
     }
     double top_m = kDeskHeight_m;
     const double pile_x_m = random_.uniform(0.28, 0.40) * size_m.x();
     for (int i = 0; i < 4; ++i) {
-      const Eigen::Vector3d book_m(random_.uniform(0.16, 0.22), random_.uniform(0.22, 0.29),
-                                   random_.uniform(0.02, 0.05));
+      const double book_z_m = random_.uniform(0.02, 0.05);
+      const double book_y_m = random_.uniform(0.22, 0.29);
+      const Eigen::Vector3d book_m(random_.uniform(0.16, 0.22), book_y_m, book_z_m);
       flat(
           painter_.book(book_m.x(), book_m.y()), book_m,
           desk_pose * placed(pile_x_m, 0.05, top_m + 0.5 * book_m.z(), random_.uniform(-0.4, 0.4)));
@@ -157,8 +161,9 @@ class Furnisher {
           x_m += random_.uniform(0.06, 0.2);
           continue;
         }
-        const Eigen::Vector3d book_m(random_.uniform(0.025, 0.085), random_.uniform(0.18, 0.26),
-                                     random_.uniform(0.2, 0.34));
+        const double book_z_m = random_.uniform(0.2, 0.34);
+        const double book_y_m = random_.uniform(0.18, 0.26);
+        const Eigen::Vector3d book_m(random_.uniform(0.025, 0.085), book_y_m, book_z_m);
         flat(painter_.book(book_m.x(), book_m.z()), book_m,
              pose * placed(x_m + 0.5 * book_m.x(), random_.uniform(-0.05, 0.02),
                            z_m + 0.0125 + 0.5 * book_m.z()));
@@ -270,9 +275,10 @@ Chair make_chair(std::uint64_t seed, TexturePainter* painter, Scene* scene) {
   const auto material = [&](Texture texture) {
     return scene->add_material(scene->add_texture(std::move(texture)));
   };
-  const Color color(static_cast<float>(random.uniform(40.0, 150.0)),
-                    static_cast<float>(random.uniform(40.0, 130.0)),
-                    static_cast<float>(random.uniform(40.0, 150.0)));
+  const float red = static_cast<float>(random.uniform(40.0, 150.0));
+  const float green = static_cast<float>(random.uniform(40.0, 130.0));
+  const float blue = static_cast<float>(random.uniform(40.0, 150.0));
+  const Color color(blue, green, red);
   const int fabric = material(painter->cloth(0.9, 0.9, color, 2));
   const int dark = material(painter->plaster(0.4, 0.4, Color(48.0F, 46.0F, 45.0F), 12.0F));
   Chair chair;

@@ -146,8 +146,8 @@ class ScenarioStage {
     waypoints.push_back({time_s, position_m});
     while (time_s < duration_s_ + 1.0) {
       side = -side;
-      const Eigen::Vector2d next_m(side * half_width_m * random_.uniform(0.85, 1.1),
-                                   lane_y_m + random_.uniform(-0.12, 0.12));
+      const double next_y_m = lane_y_m + random_.uniform(-0.12, 0.12);
+      const Eigen::Vector2d next_m(side * half_width_m * random_.uniform(0.85, 1.1), next_y_m);
       time_s += (next_m - position_m).norm() / (speed_m_per_s * random_.uniform(0.9, 1.1));
       waypoints.push_back({time_s, next_m});
       time_s += random_.uniform(0.1, 0.5);

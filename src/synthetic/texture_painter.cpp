@@ -84,9 +84,10 @@ Texture TexturePainter::wood(double width_m, double height_m, const Color& color
 Texture TexturePainter::carpet(double width_m, double height_m, const Color& color) {
   const std::uint64_t seed = next_seed();
   RandomStream random(seed, 1);
-  const Color second = color + Color(static_cast<float>(random.uniform(-40.0, 40.0)),
-                                     static_cast<float>(random.uniform(-40.0, 40.0)),
-                                     static_cast<float>(random.uniform(-40.0, 40.0)));
+  const float red = static_cast<float>(random.uniform(-40.0, 40.0));
+  const float green = static_cast<float>(random.uniform(-40.0, 40.0));
+  const float blue = static_cast<float>(random.uniform(-40.0, 40.0));
+  const Color second = color + Color(blue, green, red);
   Canvas canvas(width_m, height_m, texel_m_);
   canvas.fill([&](float x, float y) {
     const float flecks = fractal_noise(seed, x * 30.0F, y * 30.0F, 3);
@@ -117,13 +118,17 @@ Texture TexturePainter::cardboard(double width_m, double height_m, bool printed)
       const double x = random.uniform(0.02, 0.8) * width_m;
       const double y = random.uniform(0.05, 0.95) * height_m;
       switch (random.integer(4)) {
-        case 0:
-          canvas.text(random_line(random, 2), x, y, random.uniform(0.02, 0.06), ink);
+        case 0: {
+          const double letter_m = random.uniform(0.02, 0.06);
+          canvas.text(random_line(random, 2), x, y, letter_m, ink);
           break;
-        case 1:
-          canvas.rectangle(x, y, random.uniform(0.03, 0.12), random.uniform(0.02, 0.09), ink);
+        }
+        case 1: {
+          const double mark_height_m = random.uniform(0.02, 0.09);
+          canvas.rectangle(x, y, random.uniform(0.03, 0.12), mark_height_m, ink);
           canvas.rectangle(x + 0.008, y + 0.008, 0.02, 0.015, random_color(random, 120.0, 250.0));
           break;
+        }
         case 2: {  // bar code on a label
           canvas.rectangle(x, y, 0.13, 0.08, Color(235.0F, 235.0F, 232.0F));
           double bar_x = x + 0.01;
@@ -134,9 +139,10 @@ Texture TexturePainter::cardboard(double width_m, double height_m, bool printed)
           }
           break;
         }
-        default:
-          canvas.line(x, y, x + random.uniform(-0.2, 0.2), y + random.uniform(-0.1, 0.1), 0.004,
-                      ink);
+        default: {
+          const double end_y = y + random.uniform(-0.1, 0.1);
+          canvas.line(x, y, x + random.uniform(-0.2, 0.2), end_y, 0.004, ink);
+        }
       }
     }
   }
@@ -258,13 +264,15 @@ Texture TexturePainter::poster(double width_m, double height_m) {
       const double spot_x = x + block_width_m * random.uniform(0.1, 0.9);
       const double spot_y = y + block_height_m * random.uniform(0.1, 0.9);
       if (random.chance(0.5)) {
-        canvas.ellipse(spot_x, spot_y, block_width_m * random.uniform(0.03, 0.18),
-                       block_height_m * random.uniform(0.03, 0.22), random.uniform(0.0, 180.0),
-                       color);
+        const double angle_deg = random.uniform(0.0, 180.0);
+        const double radius_y = block_height_m * random.uniform(0.03, 0.22);
+        const double radius_x = block_width_m * random.uniform(0.03, 0.18);
+        canvas.ellipse(spot_x, spot_y, radius_x, radius_y, angle_deg, color);
       } else {
-        canvas.line(spot_x, spot_y, x + block_width_m * random.uniform(0.0, 1.0),
-                    y + block_height_m * random.uniform(0.0, 1.0), random.uniform(0.004, 0.02),
-                    color);
+        const double line_width = random.uniform(0.004, 0.02);
+        const double end_y = y + block_height_m * random.uniform(0.0, 1.0);
+        const double end_x = x + block_width_m * random.uniform(0.0, 1.0);
+        canvas.line(spot_x, spot_y, end_x, end_y, line_width, color);
       }
     }
   }
@@ -322,8 +330,10 @@ Texture TexturePainter::sheet(double width_m, double height_m) {
   paint_text_block(canvas, random, 0.1 * width_m, 0.14 * height_m, 0.8 * width_m, 0.8 * height_m,
                    0.0055, Color(55.0F, 50.0F, 50.0F));
   if (random.chance(0.6)) {
-    canvas.rectangle(width_m * random.uniform(0.15, 0.4), height_m * random.uniform(0.3, 0.6),
-                     0.4 * width_m, 0.2 * height_m, random_color(random));
+    const Color color = random_color(random);
+    const double y = height_m * random.uniform(0.3, 0.6);
+    const double x = width_m * random.uniform(0.15, 0.4);
+    canvas.rectangle(x, y, 0.4 * width_m, 0.2 * height_m, color);
   }
   return canvas.texture();
 }
@@ -338,14 +348,16 @@ Texture TexturePainter::book(double width_m, double height_m) {
       cover.mean() > 120.0F ? Color(25.0F, 25.0F, 30.0F) : Color(225.0F, 230.0F, 235.0F);
   const int num_bands = 1 + random.integer(3);
   for (int i = 0; i < num_bands; ++i) {
-    canvas.rectangle(0.0, height_m * random.uniform(0.05, 0.9), width_m,
-                     height_m * random.uniform(0.01, 0.06), random_color(random, 20.0, 240.0));
+    const Color color = random_color(random, 20.0, 240.0);
+    const double band_height_m = height_m * random.uniform(0.01, 0.06);
+    canvas.rectangle(0.0, height_m * random.uniform(0.05, 0.9), width_m, band_height_m, color);
   }
   // Letters that read along the spine would be rotated text; blocks of their size do as well.
   double y = height_m * 0.15;
   while (y < height_m * 0.75) {
-    canvas.rectangle(width_m * random.uniform(0.2, 0.4), y, width_m * random.uniform(0.2, 0.4),
-                     random.uniform(0.003, 0.010), print);
+    const double print_height_m = random.uniform(0.003, 0.010);
+    const double print_width_m = width_m * random.uniform(0.2, 0.4);
+    canvas.rectangle(width_m * random.uniform(0.2, 0.4), y, print_width_m, print_height_m, print);
     y += random.uniform(0.008, 0.022);
   }
   canvas.shade(seed, 0.1, 10.0F, 3);
@@ -358,9 +370,12 @@ Texture TexturePainter::balloon(double width_m, double height_m, const Color& co
   Canvas canvas(width_m, height_m, texel_m_);
   canvas.image().setTo(cv::Scalar(color[0], color[1], color[2]));
   for (int i = 0; i < 26; ++i) {
-    canvas.ellipse(width_m * random.uniform(), height_m * random.uniform(),
-                   random.uniform(0.01, 0.04), random.uniform(0.01, 0.04),
-                   random.uniform(0.0, 180.0), random_color(random, 10.0, 250.0));
+    const Color spot_color = random_color(random, 10.0, 250.0);
+    const double angle_deg = random.uniform(0.0, 180.0);
+    const double radius_y = random.uniform(0.01, 0.04);
+    const double radius_x = random.uniform(0.01, 0.04);
+    const double y = height_m * random.uniform();
+    canvas.ellipse(width_m * random.uniform(), y, radius_x, radius_y, angle_deg, spot_color);
   }
   canvas.shade(seed, 0.1, 14.0F, 3);
   return canvas.texture();

@@ -23,11 +23,15 @@ struct AnyValue {
   operator T() const;  // NOLINT(google-explicit-constructor)
 };
 
+// Clang warns of the members that an attempt leaves out.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 template <typename Aggregate, std::size_t... kIndices>
 constexpr auto takes(std::index_sequence<kIndices...>)
     -> decltype(Aggregate{(static_cast<void>(kIndices), AnyValue{})...}, true) {
   return true;
 }
+#pragma GCC diagnostic pop
 template <typename Aggregate>
 constexpr bool takes(...) {
   return false;

@@ -71,6 +71,7 @@ TEST(MotionResidual, HandComputed) {
 
 TEST(MotionResidual, OfATranslationIsTwiceItsLength) {
   std::vector<FlowTrack> tracks;
+  tracks.reserve(60);
   for (int i = 0; i < 60; ++i) {
     tracks.push_back(moved(float(10 * i + 5), float((37 * i) % 470), 6, 8));
   }
@@ -353,6 +354,7 @@ TEST(PredictFlowPoints, IsWhereStillPointsAre) {
   scene.noise_px = 0.0;
   const std::vector<FlowTrack> tracks = scene.tracks();
   std::vector<FlowPoint> points;
+  points.reserve(tracks.size());
   for (const FlowTrack& track : tracks) points.push_back(track.reference);
   points[0].depth_m = 0.0F;
   std::vector<FlowPoint> predicted;

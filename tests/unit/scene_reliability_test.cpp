@@ -335,7 +335,7 @@ class MovingStream {
       const std::uint64_t reference = stream_.assessor().reference_id();
       scene.T_current_reference = T_world_camera_[id].inverse() * T_world_camera_[reference];
     }
-    const SceneReport report = stream_.next(scene.tracks());
+    SceneReport report = stream_.next(scene.tracks());
     EXPECT_TRUE(report.status.ok());
     if (report.has_next_motion) {
       const Pose truth = T_world_camera_[id].inverse() * T_world_camera_[report.next_reference_id];

@@ -18,6 +18,7 @@ constexpr std::uint64_t combine_seed(std::uint64_t seed, std::uint64_t salt) noe
 }
 
 /// Random numbers that are the same on every platform, which the standard's distributions are not.
+/// Draw one in a statement: compilers evaluate the arguments of a call in orders of their own.
 class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed) noexcept : state_(seed) {}
