@@ -232,7 +232,7 @@ class Checker:
                 self.problem(f"include/srslam/srslam.hpp does not include {header}")
         for name in facts["CLOSURE"]:
             libraries = declared_libraries(self.components[name].get("ALL_PACKAGES", []))
-            if libraries - {"Eigen3"}:
+            if libraries - {"Eigen3", "Threads"}:  # threads belong to the standard library
                 self.problem(f"srslam::srslam must need Eigen alone, but {name} needs "
                              + ", ".join(sorted(libraries)))
 
