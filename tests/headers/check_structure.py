@@ -49,6 +49,7 @@ STANDARD_HEADERS = set(
     cfenv cfloat cinttypes climits clocale cmath csetjmp csignal cstdarg cstddef cstdint cstdio
     cstdlib cstring ctime cuchar cwchar cwctype""".split()
 )
+STANDARD_HEADERS.add("emmintrin.h")  # of every x86 compiler: SSE2
 # Start of an include path -> library as components declare it.
 LIBRARIES = {
     "Eigen/": "Eigen3",

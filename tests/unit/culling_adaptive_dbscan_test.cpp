@@ -15,7 +15,7 @@ namespace {
 
 using testing::ElementsAre;
 
-PinholeCamera vga_camera() {
+PinholeCamera adaptive_camera() {
   PinholeCamera camera;
   camera.width_px = 640;
   camera.height_px = 480;
@@ -26,19 +26,19 @@ PinholeCamera vga_camera() {
   return camera;
 }
 
-struct Clusters {
+struct AdaptiveClusters {
   AdaptiveDbscanResult result;
   std::vector<std::int32_t> labels;
   AdaptiveDbscanWorkspace workspace;
 };
 
-Clusters cluster(const std::vector<FlowPoint>& points, const AdaptiveDbscanOptions& options,
-                 const FrameReliability& reliability = {0.2, 1.0},
-                 const std::vector<float>& potential_depth_m = {}) {
-  Clusters clusters;
+AdaptiveClusters cluster(const std::vector<FlowPoint>& points, const AdaptiveDbscanOptions& options,
+                         const FrameReliability& reliability = {0.2, 1.0},
+                         const std::vector<float>& potential_depth_m = {}) {
+  AdaptiveClusters clusters;
   clusters.labels.assign(points.size(), 77);
-  clusters.result = adaptive_dbscan(points, potential_depth_m, vga_camera(), reliability, options,
-                                    clusters.workspace, clusters.labels);
+  clusters.result = adaptive_dbscan(points, potential_depth_m, adaptive_camera(), reliability,
+                                    options, clusters.workspace, clusters.labels);
   return clusters;
 }
 
@@ -106,28 +106,28 @@ TEST(AdaptiveScale, RisesWithinItsBounds) {
 }
 
 TEST(AdaptiveDbscan, BaseValuesHoldAtTheAnchors) {
-  const Clusters at_anchor = cluster({}, {});
+  const AdaptiveClusters at_anchor = cluster({}, {});
   ASSERT_TRUE(at_anchor.result.status.ok());
   EXPECT_DOUBLE_EQ(at_anchor.result.eps, 0.02);
   EXPECT_EQ(at_anchor.result.min_points, 3);
   // Better scenes search wider (Eq. 13), richer ones ask for more points (Eq. 14).
-  const Clusters better = cluster({}, {}, {0.47, 2.0});
+  const AdaptiveClusters better = cluster({}, {}, {0.47, 2.0});
   EXPECT_NEAR(better.result.eps, 0.02 * 1.48783, 1e-7);
   EXPECT_EQ(better.result.min_points, 6) << "3 * 1.98 rounded up";
-  const Clusters worse = cluster({}, {}, {0.0, 0.0});
+  const AdaptiveClusters worse = cluster({}, {}, {0.0, 0.0});
   EXPECT_NEAR(worse.result.eps, 0.02 * 0.7330, 1e-6);
   EXPECT_EQ(worse.result.min_points, 2);
   AdaptiveDbscanOptions literal;
   literal.eps_adaptation.form = AdaptationForm::kLiteral;
   literal.min_points_adaptation.form = AdaptationForm::kLiteral;
-  const Clusters as_printed = cluster({}, literal, {0.0, 0.0});
+  const AdaptiveClusters as_printed = cluster({}, literal, {0.0, 0.0});
   EXPECT_DOUBLE_EQ(as_printed.result.eps, 0.025);
   EXPECT_EQ(as_printed.result.min_points, 4) << "3.75 rounded up";
 }
 
 TEST(AdaptiveDbscan, DepthsPartWhatTheImageJoins) {
   const std::vector<FlowPoint> points = stack({1.0F, 2.5F}, 5);
-  const Clusters parted = cluster(points, {});
+  const AdaptiveClusters parted = cluster(points, {});
   EXPECT_EQ(parted.result.num_clusters, 2);
   EXPECT_THAT(parted.labels, ElementsAre(0, 1, 0, 1, 0, 1, 0, 1, 0, 1));
   ASSERT_EQ(parted.workspace.groups.size(), 2U);
@@ -138,7 +138,7 @@ TEST(AdaptiveDbscan, DepthsPartWhatTheImageJoins) {
   // As printed the interquartile range reaches from one to the other.
   AdaptiveDbscanOptions literal;
   literal.depth_groups.threshold = DepthThreshold::kLiteral;
-  const Clusters as_printed = cluster(points, literal);
+  const AdaptiveClusters as_printed = cluster(points, literal);
   EXPECT_EQ(as_printed.result.num_clusters, 1);
   EXPECT_EQ(as_printed.result.depth.threshold_m, 1.5F);
   // Unless the two bodies are few among the potential points.
@@ -149,11 +149,11 @@ TEST(AdaptiveDbscan, DepthsPartWhatTheImageJoins) {
 
 TEST(AdaptiveDbscan, PointsWithoutDepthAreAGroupOfTheirOwn) {
   const std::vector<FlowPoint> points = stack({1.0F, float(test::kNan)}, 4);
-  const Clusters found = cluster(points, {});
+  const AdaptiveClusters found = cluster(points, {});
   EXPECT_THAT(found.labels, ElementsAre(0, 1, 0, 1, 0, 1, 0, 1));
   ASSERT_EQ(found.workspace.groups.size(), 2U);
   EXPECT_EQ(found.workspace.groups[1].min_depth_m, 0.0F);
-  const Clusters none = cluster(stack({0.0F}, 4), {});
+  const AdaptiveClusters none = cluster(stack({0.0F}, 4), {});
   EXPECT_TRUE(none.result.status.ok());
   EXPECT_EQ(none.result.depth.status.code, StatusCode::kInsufficientData);
   EXPECT_EQ(none.result.num_clusters, 1);
@@ -168,7 +168,7 @@ TEST(AdaptiveDbscan, ComparesOnceAGroup) {
   AdaptiveDbscanOptions options;
   options.search = NeighborSearch::kBruteForce;
   const std::vector<FlowPoint> points = stack({1.0F, 2.0F, 3.0F, 4.0F}, 10);
-  const Clusters parted = cluster(points, options);
+  const AdaptiveClusters parted = cluster(points, options);
   EXPECT_EQ(parted.result.num_comparisons, 4U * 10U * 10U);
   for (const GroupClusters& group : parted.workspace.groups) {
     EXPECT_EQ(group.num_comparisons, 100U);
@@ -206,7 +206,7 @@ TEST(AdaptiveDbscan, RefusesWhatItCannotDo) {
   const std::vector<FlowPoint> points = stack({1.0F}, 3);
   const auto code_of = [&](const AdaptiveDbscanOptions& options,
                            const FrameReliability& reliability = {}) {
-    const Clusters clusters = cluster(points, options, reliability);
+    const AdaptiveClusters clusters = cluster(points, options, reliability);
     EXPECT_THAT(clusters.labels, ElementsAre(77, 77, 77));
     return clusters.result.status.code;
   };
@@ -242,7 +242,7 @@ TEST(AdaptiveDbscan, RefusesWhatItCannotDo) {
   EXPECT_EQ(code_of(kd_tree), StatusCode::kInvalidArgument);
   AdaptiveDbscanWorkspace workspace;
   std::vector<std::int32_t> too_few(2);
-  EXPECT_EQ(adaptive_dbscan(points, {}, vga_camera(), {}, {}, workspace, too_few).status.code,
+  EXPECT_EQ(adaptive_dbscan(points, {}, adaptive_camera(), {}, {}, workspace, too_few).status.code,
             StatusCode::kInvalidArgument);
   std::vector<std::int32_t> labels(3);
   EXPECT_EQ(adaptive_dbscan(points, {}, {}, {}, {}, workspace, labels).status.code,

@@ -17,7 +17,7 @@ using testing::Each;
 using testing::ElementsAre;
 
 /// Features and what stage 1 says of them.
-struct Scene {
+struct SuspectScene {
   std::vector<FlowPoint> points;
   std::vector<FeatureSuspicion> features;
 
@@ -48,7 +48,8 @@ struct Culled {
   std::vector<CullingVerdict> verdicts;
 };
 
-Culled cull(const Scene& scene, const DynamicCullingOptions& options, const CullingFrame& frame) {
+Culled cull(const SuspectScene& scene, const DynamicCullingOptions& options,
+            const CullingFrame& frame) {
   Culled culled;
   culled.verdicts.assign(scene.points.size(), CullingVerdict::kAggressive);
   DynamicCullingWorkspace workspace;
@@ -66,8 +67,8 @@ CullingFrame quiet_frame(double residual_px = 1.0) {
 }
 
 /// A moving body, a person at rest of whom two features twitch, and the room.
-Scene two_people() {
-  Scene scene;
+SuspectScene two_people() {
+  SuspectScene scene;
   scene.add_row(100.0F, 100.0F, 2.0F, 5, anomaly());           // 0..4: moves
   scene.add_row(106.0F, 104.0F, 2.05F, 2, in_object());        // 5, 6: near them, as deep
   scene.add_row(106.0F, 96.0F, 3.5F, 2, in_object());          // 7, 8: near them, behind
@@ -102,7 +103,7 @@ TEST(DynamicCulling, WithoutDepthGroupsWhatIsBehindGoesToo) {
 }
 
 TEST(DynamicCulling, BranchesOnTheResidualAboveItsLimitOnly) {
-  const Scene scene = two_people();
+  const SuspectScene scene = two_people();
   const auto branch = [&](const DynamicCullingOptions& options, double residual_px) {
     return cull(scene, options, quiet_frame(residual_px)).result.branch;
   };
@@ -116,7 +117,7 @@ TEST(DynamicCulling, BranchesOnTheResidualAboveItsLimitOnly) {
 }
 
 TEST(DynamicCulling, HighMotionRemovesAllThatIsPotential) {
-  const Scene scene = two_people();
+  const SuspectScene scene = two_people();
   const Culled culled = cull(scene, {}, quiet_frame(20.0));
   EXPECT_EQ(culled.result.num_removed, 14);
   for (std::size_t i = 0; i < scene.points.size(); ++i) {
@@ -135,7 +136,7 @@ TEST(DynamicCulling, InitializationIsRefinedWhateverTheResidual) {
 }
 
 TEST(DynamicCulling, AllPotentialFeaturesMayBeClustered) {
-  Scene scene;
+  SuspectScene scene;
   scene.add_row(100.0F, 100.0F, 2.0F, 3, anomaly());
   scene.add_row(103.0F, 100.0F, 2.0F, 7, in_object());  // with those, 30 % anomalies
   scene.add_row(300.0F, 100.0F, 2.0F, 2, anomaly());
@@ -153,13 +154,13 @@ TEST(DynamicCulling, AllPotentialFeaturesMayBeClustered) {
 }
 
 TEST(DynamicCulling, NothingPotentialNothingDone) {
-  Scene scene;
+  SuspectScene scene;
   scene.add_row(10.0F, 10.0F, 1.0F, 5, FeatureSuspicion{});
   const Culled culled = cull(scene, {}, quiet_frame(50.0));
   EXPECT_TRUE(culled.result.status.ok());
   EXPECT_EQ(culled.result.branch, CullingBranch::kNothing);
   EXPECT_THAT(culled.verdicts, Each(CullingVerdict::kStatic));
-  EXPECT_TRUE(cull(Scene{}, {}, quiet_frame()).result.status.ok());
+  EXPECT_TRUE(cull(SuspectScene{}, {}, quiet_frame()).result.status.ok());
 }
 
 TEST(DynamicCulling, WorksInEverySpaceAndWithoutDepth) {
@@ -172,14 +173,14 @@ TEST(DynamicCulling, WorksInEverySpaceAndWithoutDepth) {
     for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(culled.verdicts[i], CullingVerdict::kInCluster);
     EXPECT_EQ(culled.verdicts[9], CullingVerdict::kKept);
   }
-  Scene without_depth = two_people();
+  SuspectScene without_depth = two_people();
   for (FlowPoint& point : without_depth.points) point.depth_m = 0.0F;
   const Culled culled = cull(without_depth, {}, quiet_frame());
   EXPECT_EQ(culled.result.num_removed, 9) << "what is behind cannot be told";
 }
 
 TEST(DynamicCulling, RefusesWhatItCannotDo) {
-  const Scene scene = two_people();
+  const SuspectScene scene = two_people();
   const auto code_of = [&](const DynamicCullingOptions& options, const CullingFrame& frame) {
     const Culled culled = cull(scene, options, frame);
     EXPECT_THAT(culled.verdicts, Each(CullingVerdict::kStatic));

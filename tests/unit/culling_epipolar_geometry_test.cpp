@@ -13,7 +13,7 @@
 namespace srslam {
 namespace {
 
-PinholeCamera vga_camera() {
+PinholeCamera epipolar_camera() {
   PinholeCamera camera;
   camera.width_px = 640;
   camera.height_px = 480;
@@ -28,8 +28,8 @@ PixelPair pair_of(const Eigen::Vector3d& point_m, const Pose& T_current_referenc
                   const Eigen::Vector3d& motion_m = Eigen::Vector3d::Zero()) {
   Eigen::Vector2d reference;
   Eigen::Vector2d current;
-  EXPECT_TRUE(vga_camera().project(point_m, &reference));
-  EXPECT_TRUE(vga_camera().project(T_current_reference * (point_m + motion_m), &current));
+  EXPECT_TRUE(epipolar_camera().project(point_m, &reference));
+  EXPECT_TRUE(epipolar_camera().project(T_current_reference * (point_m + motion_m), &current));
   return {reference.x(), reference.y(), current.x(), current.y()};
 }
 
@@ -73,7 +73,7 @@ TEST(SampsonDistance, OfASidewaysCameraIsTheRowsDifferenceOverRootTwo) {
 
 TEST(SampsonDistance, DoesNotDependOnScaleOrDirection) {
   test::for_each_seed(50, [](test::Rng& rng) {
-    const FundamentalMatrix F = fundamental_from_pose(rng.pose(0.3, 0.5), vga_camera());
+    const FundamentalMatrix F = fundamental_from_pose(rng.pose(0.3, 0.5), epipolar_camera());
     const PixelPair pair = {rng.uniform(0.0, 640.0), rng.uniform(0.0, 480.0),
                             rng.uniform(0.0, 640.0), rng.uniform(0.0, 480.0)};
     const double distance_px = sampson_distance_px(F, pair);
@@ -87,7 +87,7 @@ TEST(SampsonDistance, DoesNotDependOnScaleOrDirection) {
 
 TEST(FundamentalFromPose, IsFulfilledByWhatStands) {
   test::for_each_seed(20, [](test::Rng& rng) {
-    const FundamentalMatrix F = fundamental_from_pose(moved_camera(), vga_camera());
+    const FundamentalMatrix F = fundamental_from_pose(moved_camera(), epipolar_camera());
     for (const PixelPair& pair : room(rng, 50, 0.0, 0.0)) {
       EXPECT_LT(sampson_distance_px(F, pair), 1e-9);
     }
@@ -99,14 +99,14 @@ TEST(FundamentalFromPose, IsFulfilledByWhatStands) {
   });
   Pose turned = moved_camera();
   turned.translation().setZero();
-  EXPECT_EQ(fundamental_from_pose(turned, vga_camera()).norm(), 0.0);
+  EXPECT_EQ(fundamental_from_pose(turned, epipolar_camera()).norm(), 0.0);
 }
 
 TEST(FundamentalFromPose, DoesNotSeeMotionAlongEpipolarLines) {
   // Known and stated: what moves as the camera does is not told from another depth.
   Pose sideways = Pose::Identity();
   sideways.translation().x() = -0.1;
-  const FundamentalMatrix F = fundamental_from_pose(sideways, vga_camera());
+  const FundamentalMatrix F = fundamental_from_pose(sideways, epipolar_camera());
   EXPECT_LT(sampson_distance_px(F, pair_of({0.1, 0.2, 2.0}, sideways, {0.3, 0.0, 0.0})), 1e-9);
   EXPECT_GT(sampson_distance_px(F, pair_of({0.1, 0.2, 2.0}, sideways, {0.0, 0.1, 0.0})), 10.0);
 }

@@ -19,7 +19,7 @@ using testing::ElementsAre;
 constexpr RemovalBaseline kBaselines[] = {RemovalBaseline::kProportion, RemovalBaseline::kKMeans,
                                           RemovalBaseline::kConvexHull, RemovalBaseline::kDbscan};
 
-struct Scene {
+struct BoxedScene {
   std::vector<FlowPoint> points;
   std::vector<FeatureSuspicion> features;
   std::vector<Detection> boxes;
@@ -43,7 +43,7 @@ struct Scene {
   }
 };
 
-std::vector<std::uint8_t> removed_by(RemovalBaseline baseline, const Scene& scene,
+std::vector<std::uint8_t> removed_by(RemovalBaseline baseline, const BoxedScene& scene,
                                      const RemovalBaselineOptions& options = {}) {
   RemovalBaselineWorkspace workspace;
   std::vector<std::uint8_t> removed(scene.points.size(), 7);
@@ -58,7 +58,7 @@ std::vector<std::uint8_t> removed_by(RemovalBaseline baseline, const Scene& scen
 }
 
 TEST(RemovalBaselines, ProportionTakesABoxOrItsAnomalies) {
-  Scene scene;
+  BoxedScene scene;
   scene.add_box(0.0, 100.0);
   scene.add_box(200.0, 300.0);
   for (int i = 0; i < 10; ++i) scene.add(10.0F + float(i), 50.0F, 2.0F, i < 3);   // 30 %
@@ -76,7 +76,7 @@ TEST(RemovalBaselines, ProportionTakesABoxOrItsAnomalies) {
 }
 
 TEST(RemovalBaselines, ConvexHullTakesWhatLiesBetweenAnomalies) {
-  Scene scene;
+  BoxedScene scene;
   scene.add_box(0.0, 200.0);
   scene.add(10.0F, 10.0F, 2.0F, true);
   scene.add(110.0F, 10.0F, 2.0F, true);
@@ -111,7 +111,7 @@ TEST(RemovalBaselines, ConvexHullIsTheHull) {
 }
 
 TEST(RemovalBaselines, KMeansPartsInTwoByPlaceAndDepth) {
-  Scene scene;
+  BoxedScene scene;
   for (int i = 0; i < 10; ++i) scene.add(100.0F + float(i), 50.0F, 1.0F, i < 4);
   for (int i = 0; i < 10; ++i) scene.add(100.0F + float(i), 50.0F, 3.0F, i < 1);
   scene.add(105.0F, 50.0F, 1.0F, false, false);  // no potential feature
@@ -125,7 +125,7 @@ TEST(RemovalBaselines, KMeansPartsInTwoByPlaceAndDepth) {
 }
 
 TEST(RemovalBaselines, DbscanTakesClustersWithoutRegardToDepth) {
-  Scene scene;
+  BoxedScene scene;
   for (int i = 0; i < 4; ++i) scene.add(100.0F + float(i), 50.0F, i % 2 == 0 ? 1.0F : 3.0F, true);
   scene.add(105.0F, 50.0F, 4.0F, false);         // near them
   scene.add(105.0F, 50.0F, 4.0F, false, false);  // near, but not potential
@@ -134,14 +134,14 @@ TEST(RemovalBaselines, DbscanTakesClustersWithoutRegardToDepth) {
 }
 
 TEST(RemovalBaselines, NothingSuspectedNothingRemoved) {
-  Scene scene;
+  BoxedScene scene;
   scene.add_box(0.0, 639.0);
   for (const RemovalBaseline baseline : kBaselines) {
     EXPECT_TRUE(removed_by(baseline, scene).empty());
-    Scene quiet = scene;
+    BoxedScene quiet = scene;
     for (int i = 0; i < 20; ++i) quiet.add(float(10 * i), 50.0F, 2.0F, false);
     EXPECT_THAT(removed_by(baseline, quiet), Each(0)) << to_string(baseline);
-    Scene odd = quiet;
+    BoxedScene odd = quiet;
     odd.add(float(test::kNan), 50.0F, float(test::kInf), true);
     odd.add(50.0F, float(test::kInf), 0.0F, true);
     removed_by(baseline, odd);
@@ -149,7 +149,7 @@ TEST(RemovalBaselines, NothingSuspectedNothingRemoved) {
 }
 
 TEST(RemovalBaselines, RefuseWhatTheyCannotDo) {
-  Scene scene;
+  BoxedScene scene;
   scene.add(10.0F, 10.0F, 1.0F, true);
   RemovalBaselineWorkspace workspace;
   RemovalBaselineOptions bad[5];
