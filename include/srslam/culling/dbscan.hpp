@@ -19,9 +19,20 @@ namespace srslam {
 
 namespace detail {
 
-/// Points up to which every pair is faster than a grid (docs/dbscan.md).
+/// Points up to which every pair is faster than a grid: measured on points like an image's features
+/// and on uniform ones, between whose crossings it lies (docs/dbscan.md).
 constexpr std::size_t max_points_for_brute_force(int dimension) noexcept {
-  return dimension <= 3 ? kMaxPointsAsBits : 2 * kMaxPointsAsBits;
+  switch (dimension) {
+    case 1:
+    case 2:
+      return 200;
+    case 3:
+      return 280;
+    case 4:
+      return 350;
+    default:
+      return kMaxPointsAsBits;
+  }
 }
 
 /// Copies the valid points axis by axis; the others are noise.

@@ -11,7 +11,7 @@
 namespace srslam::detail {
 
 /// Up to so many points have all their neighbours written down, a bit each.
-constexpr std::size_t kMaxPointsAsBits = 256;
+constexpr std::size_t kMaxPointsAsBits = 512;
 
 inline unsigned count_of_bits(std::uint64_t bits) noexcept {
   bits -= (bits >> 1U) & 0x5555555555555555U;
@@ -77,7 +77,7 @@ void cluster_few(DbscanProblem<Scalar, D>& problem, DbscanWorkspace<Scalar>& wor
   }
   problem.num_comparisons += std::uint64_t(n) * n;
 
-  std::uint64_t core[kMaxWords];
+  std::uint64_t core[kMaxWords] = {};
   for (std::size_t word = 0; word < kMaxWords; ++word) core[word] = unreached[word];
   for (std::size_t i = 0; i < n; ++i) {
     if ((unreached[i / 64] >> (i % 64) & 1U) == 0) continue;
@@ -106,7 +106,7 @@ void cluster_few(DbscanProblem<Scalar, D>& problem, DbscanWorkspace<Scalar>& wor
 
   for (std::size_t i = 0; i < n; ++i) {
     if ((core[i / 64] >> (i % 64) & 1U) != 0) continue;
-    std::uint64_t near_core[kMaxWords];
+    std::uint64_t near_core[kMaxWords] = {};
     for (std::size_t word = 0; word < num_words; ++word) {
       near_core[word] = neighbors[i * num_words + word] & core[word];
     }

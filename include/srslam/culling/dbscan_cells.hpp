@@ -47,7 +47,7 @@ class CellClustering {
         buffers_(buffers),
         grid_(problem, buffers),
         points_(grid_.points()),
-        num_threads_(problem.num_points < kMinPointsForThreads ? 1U : unsigned(num_threads)) {
+        num_threads_(problem.num_points < kMinPointsForThreads ? 1U : std::size_t(num_threads)) {
     const std::size_t n = problem.num_points;
     reserve_elements(buffers_.point_state, n);
     reserve_elements(buffers_.point_cell, n);
@@ -87,17 +87,18 @@ class CellClustering {
       return;
     }
     // Blocks of rows, several a thread, because some rows take longer.
-    const std::size_t block = num_rows / (num_threads_ * 16U) + 1;
+    const std::size_t block = num_rows / (num_threads_ * 16) + 1;
     std::atomic<std::size_t> next{0};
     const auto take_blocks = [&](Thread& thread) {
-      for (std::size_t begin; (begin = next.fetch_add(block)) < num_rows;) {
+      for (std::size_t begin = next.fetch_add(block); begin < num_rows;
+           begin = next.fetch_add(block)) {
         const std::size_t end = std::min(begin + block, num_rows);
         for (std::size_t row = begin; row < end; ++row) work(row, thread);
       }
     };
     std::vector<std::thread> others;
     others.reserve(num_threads_ - 1);
-    for (unsigned i = 1; i < num_threads_; ++i) {
+    for (std::size_t i = 1; i < num_threads_; ++i) {
       others.emplace_back([&, i] { take_blocks(buffers_.threads[i]); });
     }
     take_blocks(buffers_.threads[0]);
@@ -395,7 +396,7 @@ class CellClustering {
   DbscanGridBuffers<Scalar>& buffers_;
   Grid grid_;
   PointAxes<Scalar, D> points_;
-  unsigned num_threads_;
+  std::size_t num_threads_;
 };
 
 }  // namespace srslam::detail

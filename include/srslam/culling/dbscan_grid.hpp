@@ -62,7 +62,7 @@ class DbscanGrid {
     if constexpr (kNumLevels == 0) {
       rows.push_back(0);
     } else {
-      std::array<std::uint32_t, kNumLevels> bins;
+      std::array<std::uint32_t, kNumLevels> bins{};
       std::size_t node = row;
       for (std::size_t level = kNumLevels; level-- > 0;) {
         bins[level] = buffers_.level_bin[level][node];
@@ -255,8 +255,8 @@ class DbscanGrid {
   /// Points [begin, end) of one bin become a cell or, if they are not all near each other, several.
   void add_cells(std::size_t begin, std::size_t end, std::uint32_t bin) {
     if (end - begin > 1) {
-      std::array<Scalar, kNumAxes> low;
-      std::array<Scalar, kNumAxes> high;
+      std::array<Scalar, kNumAxes> low{};
+      std::array<Scalar, kNumAxes> high{};
       find_box(begin, end, low, high);
       Scalar diagonal_squared = 0;
       std::size_t widest = 0;

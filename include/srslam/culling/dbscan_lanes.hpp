@@ -67,7 +67,7 @@ class NearTest {
   }
 
  private:
-  std::array<Scalar, std::size_t(D)> query_;
+  std::array<Scalar, std::size_t(D)> query_{};
   Scalar eps_squared_;
 };
 
@@ -117,7 +117,7 @@ class NearTest<float, D> {
   }
   static __m128 square(__m128 x) noexcept { return _mm_mul_ps(x, x); }
 
-  __m128 query_[std::size_t(D)];
+  __m128 query_[std::size_t(D)] = {};
   __m128 eps_squared_;
 };
 
@@ -171,7 +171,7 @@ class NearTest<double, D> {
   }
   static __m128d square(__m128d x) noexcept { return _mm_mul_pd(x, x); }
 
-  __m128d query_[std::size_t(D)];
+  __m128d query_[std::size_t(D)] = {};
   __m128d eps_squared_;
 };
 

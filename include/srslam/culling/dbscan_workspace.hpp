@@ -68,7 +68,7 @@ void reserve_elements(std::vector<T>& vector, std::size_t size) {
 
 template <int D, typename Scalar>
 PointAxes<Scalar, D> axes_of(const std::array<std::vector<Scalar>, 6>& coordinates) noexcept {
-  PointAxes<Scalar, D> axes;
+  PointAxes<Scalar, D> axes{};
   for (std::size_t axis = 0; axis < std::size_t(D); ++axis) axes[axis] = coordinates[axis].data();
   return axes;
 }
@@ -76,7 +76,7 @@ PointAxes<Scalar, D> axes_of(const std::array<std::vector<Scalar>, 6>& coordinat
 /// What every search is given and fills: the valid points, and label and kind of each of them.
 template <typename Scalar, int D>
 struct DbscanProblem {
-  PointAxes<Scalar, D> points;
+  PointAxes<Scalar, D> points{};
   std::size_t num_points = 0;
   Scalar eps = 0;
   Scalar eps_squared = 0;
