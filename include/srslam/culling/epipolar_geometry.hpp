@@ -176,7 +176,7 @@ bool fit_fundamental(const std::vector<PixelPair>& pairs, const Indices& indices
   Eigen::Matrix3d full;
   full << f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8];
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(full, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d singular = svd.singularValues();
+  const Eigen::Vector3d& singular = svd.singularValues();
   *F = svd.matrixU() * Eigen::Vector3d(singular[0], singular[1], 0.0).asDiagonal() *
        svd.matrixV().transpose();
   return F->allFinite();
