@@ -24,6 +24,59 @@ constexpr unsigned count_of_nibble(unsigned bits) noexcept {
   return static_cast<unsigned>(0x4332322132212110U >> (4U * bits)) & 15U;
 }
 
+#ifdef SRSLAM_DBSCAN_SSE2
+
+/// What SSE2 calls the operations on each type: a register of coordinates, and a comparison of four
+/// points whose answer is four times 32 bits, all set for a neighbour.
+template <typename Scalar>
+struct LaneOperations;
+
+template <>
+struct LaneOperations<float> {
+  using Value = __m128;
+  static Value broadcast(float x) noexcept { return _mm_set1_ps(x); }
+  static float lowest(Value x) noexcept { return _mm_cvtss_f32(x); }
+
+  template <int D>
+  static __m128 compare(const PointAxes<float, D>& points, std::size_t first, const Value* query,
+                        Value eps_squared) noexcept {
+    __m128 sum = square(_mm_sub_ps(_mm_loadu_ps(points[0] + first), query[0]));
+    for (std::size_t axis = 1; axis < std::size_t(D); ++axis) {
+      sum = _mm_add_ps(sum, square(_mm_sub_ps(_mm_loadu_ps(points[axis] + first), query[axis])));
+    }
+    return _mm_cmple_ps(sum, eps_squared);
+  }
+  static Value square(Value x) noexcept { return _mm_mul_ps(x, x); }
+};
+
+template <>
+struct LaneOperations<double> {
+  using Value = __m128d;
+  static Value broadcast(double x) noexcept { return _mm_set1_pd(x); }
+  static double lowest(Value x) noexcept { return _mm_cvtsd_f64(x); }
+
+  /// Two comparisons of two, each answer shortened to 32 bits.
+  template <int D>
+  static __m128 compare(const PointAxes<double, D>& points, std::size_t first, const Value* query,
+                        Value eps_squared) noexcept {
+    const __m128 low = _mm_castpd_ps(compare_2<D>(points, first, query, eps_squared));
+    const __m128 high = _mm_castpd_ps(compare_2<D>(points, first + 2, query, eps_squared));
+    return _mm_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0));
+  }
+  template <int D>
+  static __m128d compare_2(const PointAxes<double, D>& points, std::size_t first,
+                           const Value* query, Value eps_squared) noexcept {
+    __m128d sum = square(_mm_sub_pd(_mm_loadu_pd(points[0] + first), query[0]));
+    for (std::size_t axis = 1; axis < std::size_t(D); ++axis) {
+      sum = _mm_add_pd(sum, square(_mm_sub_pd(_mm_loadu_pd(points[axis] + first), query[axis])));
+    }
+    return _mm_cmple_pd(sum, eps_squared);
+  }
+  static Value square(Value x) noexcept { return _mm_mul_pd(x, x); }
+};
+
+#endif
+
 /// One point against many: which of them are within eps. The squares are added in the order of the
 /// axes and rounded like anywhere else in the clustering, so that every search sees the same pairs
 /// as neighbours.
@@ -32,22 +85,47 @@ class NearTest {
  public:
   using Axes = PointAxes<Scalar, D>;
 
-  NearTest(const Axes& query_axes, std::size_t query, Scalar eps_squared) noexcept {
+  NearTest(const Axes& query_axes, std::size_t query, Scalar eps_squared) noexcept
+      : eps_squared_(broadcast(eps_squared)) {
     for (std::size_t axis = 0; axis < std::size_t(D); ++axis) {
-      query_[axis] = query_axes[axis][query];
+      query_[axis] = broadcast(query_axes[axis][query]);
     }
-    eps_squared_ = eps_squared;
   }
 
   Scalar squared_distance(const Axes& points, std::size_t index) const noexcept {
     Scalar sum = 0;
     for (std::size_t axis = 0; axis < std::size_t(D); ++axis) {
-      const Scalar difference = points[axis][index] - query_[axis];
+      const Scalar difference = points[axis][index] - lowest(query_[axis]);
       sum += difference * difference;
     }
     return sum;
   }
 
+#ifdef SRSLAM_DBSCAN_SSE2
+  /// Bit i: point `first` + i is a neighbour.
+  unsigned neighbors_of_4(const Axes& points, std::size_t first) const noexcept {
+    return unsigned(_mm_movemask_ps(compare(points, first)));
+  }
+
+  /// The same for sixteen points.
+  unsigned neighbors_of_16(const Axes& points, std::size_t first) const noexcept {
+    const auto four = [&](std::size_t block) {
+      return _mm_castps_si128(compare(points, first + block * kLanes));
+    };
+    const __m128i low = _mm_packs_epi32(four(0), four(1));
+    const __m128i high = _mm_packs_epi32(four(2), four(3));
+    return unsigned(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
+  }
+
+ private:
+  using Operations = LaneOperations<Scalar>;
+  using Value = typename Operations::Value;
+  static Value broadcast(Scalar x) noexcept { return Operations::broadcast(x); }
+  static Scalar lowest(Value x) noexcept { return Operations::lowest(x); }
+  __m128 compare(const Axes& points, std::size_t first) const noexcept {
+    return Operations::template compare<D>(points, first, query_, eps_squared_);
+  }
+#else
   /// Bit i: point `first` + i is a neighbour.
   unsigned neighbors_of_4(const Axes& points, std::size_t first) const noexcept {
     unsigned bits = 0;
@@ -67,115 +145,14 @@ class NearTest {
   }
 
  private:
-  std::array<Scalar, std::size_t(D)> query_{};
-  Scalar eps_squared_;
-};
-
-#ifdef SRSLAM_DBSCAN_SSE2
-
-template <int D>
-class NearTest<float, D> {
- public:
-  using Axes = PointAxes<float, D>;
-
-  NearTest(const Axes& query_axes, std::size_t query, float eps_squared) noexcept
-      : eps_squared_(_mm_set1_ps(eps_squared)) {
-    for (std::size_t axis = 0; axis < std::size_t(D); ++axis) {
-      query_[axis] = _mm_set1_ps(query_axes[axis][query]);
-    }
-  }
-
-  float squared_distance(const Axes& points, std::size_t index) const noexcept {
-    float sum = 0;
-    for (std::size_t axis = 0; axis < std::size_t(D); ++axis) {
-      const float difference = points[axis][index] - _mm_cvtss_f32(query_[axis]);
-      sum += difference * difference;
-    }
-    return sum;
-  }
-
-  unsigned neighbors_of_4(const Axes& points, std::size_t first) const noexcept {
-    return unsigned(_mm_movemask_ps(compare(points, first)));
-  }
-
-  unsigned neighbors_of_16(const Axes& points, std::size_t first) const noexcept {
-    const auto four = [&](std::size_t block) {
-      return _mm_castps_si128(compare(points, first + block * kLanes));
-    };
-    const __m128i low = _mm_packs_epi32(four(0), four(1));
-    const __m128i high = _mm_packs_epi32(four(2), four(3));
-    return unsigned(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
-  }
-
- private:
-  __m128 compare(const Axes& points, std::size_t first) const noexcept {
-    __m128 sum = square(_mm_sub_ps(_mm_loadu_ps(points[0] + first), query_[0]));
-    for (std::size_t axis = 1; axis < std::size_t(D); ++axis) {
-      sum = _mm_add_ps(sum, square(_mm_sub_ps(_mm_loadu_ps(points[axis] + first), query_[axis])));
-    }
-    return _mm_cmple_ps(sum, eps_squared_);
-  }
-  static __m128 square(__m128 x) noexcept { return _mm_mul_ps(x, x); }
-
-  __m128 query_[std::size_t(D)] = {};
-  __m128 eps_squared_;
-};
-
-template <int D>
-class NearTest<double, D> {
- public:
-  using Axes = PointAxes<double, D>;
-
-  NearTest(const Axes& query_axes, std::size_t query, double eps_squared) noexcept
-      : eps_squared_(_mm_set1_pd(eps_squared)) {
-    for (std::size_t axis = 0; axis < std::size_t(D); ++axis) {
-      query_[axis] = _mm_set1_pd(query_axes[axis][query]);
-    }
-  }
-
-  double squared_distance(const Axes& points, std::size_t index) const noexcept {
-    double sum = 0;
-    for (std::size_t axis = 0; axis < std::size_t(D); ++axis) {
-      const double difference = points[axis][index] - _mm_cvtsd_f64(query_[axis]);
-      sum += difference * difference;
-    }
-    return sum;
-  }
-
-  unsigned neighbors_of_4(const Axes& points, std::size_t first) const noexcept {
-    return unsigned(_mm_movemask_ps(compare(points, first)));
-  }
-
-  unsigned neighbors_of_16(const Axes& points, std::size_t first) const noexcept {
-    const auto four = [&](std::size_t block) {
-      return _mm_castps_si128(compare(points, first + block * kLanes));
-    };
-    const __m128i low = _mm_packs_epi32(four(0), four(1));
-    const __m128i high = _mm_packs_epi32(four(2), four(3));
-    return unsigned(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
-  }
-
- private:
-  /// Two comparisons of two, each result shortened to 32 bits.
-  __m128 compare(const Axes& points, std::size_t first) const noexcept {
-    const __m128 low = _mm_castpd_ps(compare_2(points, first));
-    const __m128 high = _mm_castpd_ps(compare_2(points, first + 2));
-    return _mm_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0));
-  }
-  __m128d compare_2(const Axes& points, std::size_t first) const noexcept {
-    __m128d sum = square(_mm_sub_pd(_mm_loadu_pd(points[0] + first), query_[0]));
-    for (std::size_t axis = 1; axis < std::size_t(D); ++axis) {
-      sum = _mm_add_pd(sum, square(_mm_sub_pd(_mm_loadu_pd(points[axis] + first), query_[axis])));
-    }
-    return _mm_cmple_pd(sum, eps_squared_);
-  }
-  static __m128d square(__m128d x) noexcept { return _mm_mul_pd(x, x); }
-
-  __m128d query_[std::size_t(D)] = {};
-  __m128d eps_squared_;
-};
-
+  using Value = Scalar;
+  static Value broadcast(Scalar x) noexcept { return x; }
+  static Scalar lowest(Value x) noexcept { return x; }
 #endif
+
+  Value query_[std::size_t(D)] = {};
+  Value eps_squared_;
+};
 
 /// Bits of the lanes that lie before `end`.
 constexpr unsigned lanes_before(std::size_t first, std::size_t end) noexcept {
