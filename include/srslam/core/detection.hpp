@@ -17,6 +17,12 @@ struct Detection {
   double y_max_px = 0.0;  ///< > y_min_px
 };
 
+/// Whether a pixel lies in a box, edges included; false for a NaN.
+inline bool box_contains(const Detection& box, double u_px, double v_px) noexcept {
+  return u_px >= box.x_min_px && u_px <= box.x_max_px && v_px >= box.y_min_px &&
+         v_px <= box.y_max_px;
+}
+
 /// Whether what a detector calls so moves by itself: the people, vehicles and animals of COCO.
 inline bool is_movable_class(std::string_view class_name) noexcept {
   constexpr std::string_view kMovable[] = {

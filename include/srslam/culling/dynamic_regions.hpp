@@ -204,8 +204,7 @@ inline bool on_object(const FlowPoint& point, const DynamicRegionInput& input,
   const auto u = double(point.u_px);
   const auto v = double(point.v_px);
   return std::any_of(input.detections.begin(), input.detections.end(), [&](const Detection& box) {
-    return u >= box.x_min_px && u <= box.x_max_px && v >= box.y_min_px && v <= box.y_max_px &&
-           may_move(box, options);
+    return box_contains(box, u, v) && may_move(box, options);
   });
 }
 

@@ -79,18 +79,12 @@ struct RemovalBaselineWorkspace {
   std::vector<std::array<float, 3>> points;
   std::vector<std::uint8_t> cluster;
   std::vector<std::int32_t> labels;
-  std::vector<float> depth_m;
+  std::vector<float> depth_m, depth_scratch_m;
   std::vector<std::array<float, 2>> hull;
   DbscanWorkspace<float> dbscan;
 };
 
 namespace detail {
-
-inline bool in_box(const FlowPoint& point, const Detection& box) noexcept {
-  const auto u = double(point.u_px);
-  const auto v = double(point.v_px);
-  return u >= box.x_min_px && u <= box.x_max_px && v >= box.y_min_px && v <= box.y_max_px;
-}
 
 /// Twice the area of a, b, c, positive when they turn to the left.
 inline double turn(const std::array<float, 2>& a, const std::array<float, 2>& b,
@@ -229,7 +223,8 @@ class BaselineRemoval {
 
  private:
   bool in_object_box(std::size_t i, const Detection& box) const {
-    return features_[i].in_object && in_box(points_[i], box);
+    return features_[i].in_object &&
+           box_contains(box, double(points_[i].u_px), double(points_[i].v_px));
   }
 
   void remove_anomalies() {
@@ -257,7 +252,8 @@ class BaselineRemoval {
     }
     w_.image_points.clear();
     std::vector<float>& depth_m = w_.depth_m;
-    const DepthThresholdResult threshold = depth_threshold(w_.depth_m, options_.depth, scratch_m_);
+    const DepthThresholdResult threshold =
+        depth_threshold(w_.depth_m, options_.depth, w_.depth_scratch_m);
     depth_m.erase(std::remove_if(depth_m.begin(), depth_m.end(),
                                  [](float depth) { return !is_valid_depth(depth); }),
                   depth_m.end());
@@ -359,7 +355,6 @@ class BaselineRemoval {
   const RemovalBaselineOptions& options_;
   RemovalBaselineWorkspace& w_;
   ArrayView<std::uint8_t> removed_;
-  std::vector<float> scratch_m_;
 };
 
 }  // namespace detail

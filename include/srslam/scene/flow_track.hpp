@@ -45,8 +45,7 @@ inline void describe_flow_point(const ImageView<const float>& depth_m,
   const double u = double(point->u_px);
   const double v = double(point->v_px);
   for (const Detection& box : detections) {
-    if (u >= box.x_min_px && u <= box.x_max_px && v >= box.y_min_px && v <= box.y_max_px &&
-        is_movable_class(box.class_name)) {
+    if (box_contains(box, u, v) && is_movable_class(box.class_name)) {
       point->suspect = true;
       return;
     }
