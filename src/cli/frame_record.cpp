@@ -10,6 +10,7 @@ namespace srslam::cli {
 namespace {
 
 constexpr int kNumSceneColumns = 18;
+constexpr int kNumCullingColumns = 16;
 constexpr int kTimeDecimals = 3;
 
 /// A number that exists, or nothing.
@@ -43,6 +44,22 @@ std::string scene_columns(const SceneReport& scene) {
   return line + "," + csv_text(scene.line());
 }
 
+std::string culling_columns(const CullingReport& culling) {
+  const DynamicRegionsResult& regions = culling.regions;
+  const DynamicCullingResult& removal = culling.removal;
+  std::string line = std::string(",") + to_string(removal.branch);
+  for (const int count :
+       {regions.num_tracked, regions.num_in_objects, regions.num_flow_anomalies,
+        regions.num_epipolar_anomalies, regions.num_depth_anomalies, regions.num_near_anomaly,
+        regions.num_potential, removal.clusters.num_clusters, removal.num_dynamic_clusters,
+        removal.num_removed_in_clusters, removal.num_removed_near_clusters,
+        removal.num_kept_potential, removal.num_removed}) {
+    line += "," + std::to_string(count);
+  }
+  return line + "," + csv_text(to_string(regions.epipolar)) + "," +
+         csv_text(to_string(regions.depth));
+}
+
 }  // namespace
 
 std::string frames_csv_header() {
@@ -54,6 +71,10 @@ std::string frames_csv_header() {
       "dominance,background_share,continuity,settled_share,alive_share,motion_certainty,reference_"
       "age_frames,"
       "scene_reason,"
+      "culling_branch,num_flow_tracks,num_in_objects,num_flow_anomalies,num_epipolar_anomalies,"
+      "num_depth_anomalies,num_near_anomaly,num_potential,num_clusters,num_dynamic_clusters,"
+      "num_culled_in_clusters,num_culled_near_clusters,num_potential_kept,num_culled,epipolar_test,"
+      "depth_test,"
       "decode_ms,read_"
       "wait_ms";
   for (const Stage& stage : kStages) line += "," + std::string(stage.name) + "_ms";
@@ -77,6 +98,8 @@ std::string frames_csv_line(const FrameRecord& record, const PipelineResult* res
   }
   line += result != nullptr && result->has_scene ? scene_columns(result->scene)
                                                  : std::string(kNumSceneColumns, ',');
+  line += result != nullptr && result->has_culling ? culling_columns(result->culling)
+                                                   : std::string(kNumCullingColumns, ',');
   line += "," + fixed_text(record.decode_ms, kTimeDecimals) + "," +
           fixed_text(record.read_wait_ms, kTimeDecimals);
   for (const Stage& stage : kStages) {

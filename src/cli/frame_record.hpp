@@ -49,6 +49,7 @@ struct FrameRecord {
   int num_inliers = 0;
   std::optional<double> reliability;  ///< of the scene, in [0, 1] (Eq. 7), where it is judged
   std::optional<bool> is_good;        ///< GOOD or BAD (Eq. 8), where it is judged
+  std::optional<int> num_culled;      ///< features removed as dynamic, where they are looked for
   double decode_ms = 0.0;             ///< of the images, beside tracking when there are two threads
   double read_wait_ms = 0.0;          ///< until the decoded frame was there
   StageTimes times;                   ///< all 0 when the pipeline did not see the frame
@@ -59,9 +60,10 @@ struct Stage {
   const char* name = "";
   double StageTimes::*field = nullptr;
 };
-constexpr std::array<Stage, 8> kStages = {{
+constexpr std::array<Stage, 9> kStages = {{
     {"features", &StageTimes::features_ms},
     {"scene", &StageTimes::scene_ms},
+    {"culling", &StageTimes::culling_ms},
     {"tracking", &StageTimes::tracking_ms},
     {"local_map", &StageTimes::local_map_ms},
     {"relocalization", &StageTimes::relocalization_ms},

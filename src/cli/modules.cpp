@@ -29,7 +29,7 @@ const std::vector<Module>& known_modules() {
   static const std::vector<Module> modules = {
       {'S', "scene reliability", true, ""},
       {'P', "pose refinement", false, "S"},
-      {'D', "dynamic culling", false, "S"},
+      {'D', "dynamic culling", true, "S"},
       {'B', "back-end keyframes and weighting", false, "S"},
   };
   return modules;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cli/number_text.hpp"
+#include "cli/text_list.hpp"
 #include "srslam/io/flat_yaml.hpp"
 
 namespace srslam::cli {
@@ -35,6 +36,10 @@ std::string range_text(const ChoiceOption& option) {
   std::string text;
   for (const char* name : option.names) text += (text.empty() ? "" : ", ") + std::string(name);
   return text;
+}
+
+std::string range_text(const NamesOption& option) {
+  return std::string(option.when_empty) + ", or names with commas between them";
 }
 
 bool is_in_range(const IntOption& option, int value) {
@@ -86,6 +91,19 @@ FileStatus set_field(const ChoiceOption& option, const std::string& path,
   return FileStatus::success();
 }
 
+FileStatus set_field(const NamesOption& option, const std::string& path, const FlatYamlEntry& entry,
+                     PipelineOptions* options) {
+  std::vector<std::string> names;
+  if (entry.value != option.when_empty) names = split_at_commas(entry.value);
+  if (std::any_of(names.begin(), names.end(), [](const auto& name) { return name.empty(); })) {
+    return FileStatus::failure(StatusCode::kInvalidArgument, path, entry.line,
+                               "value " + entry.value + " of key '" + entry.key +
+                                   "' has an empty name: expected " + range_text(option));
+  }
+  option.field(*options) = names;
+  return FileStatus::success();
+}
+
 std::string text_of(int value) { return std::to_string(value); }
 std::string text_of(std::uint32_t value) { return std::to_string(value); }
 std::string text_of(double value) { return shortest_text(value); }
@@ -97,6 +115,11 @@ std::string field_text(const Option& option, PipelineOptions* options) {
 
 std::string field_text(const ChoiceOption& option, PipelineOptions* options) {
   return option.names[static_cast<std::size_t>(option.get(*options))];
+}
+
+std::string field_text(const NamesOption& option, PipelineOptions* options) {
+  const std::vector<std::string>& names = option.field(*options);
+  return names.empty() ? option.when_empty : joined(names, ",");
 }
 
 /// Pads a cell on the right. Keys, values, ranges and units are ASCII, so bytes are columns.
@@ -195,7 +218,9 @@ std::vector<PipelineOption> slam_option_table() {
 const std::vector<PipelineOption>& pipeline_option_table() {
   static const std::vector<PipelineOption> table = [] {
     std::vector<PipelineOption> all = slam_option_table();
-    for (PipelineOption& option : scene_option_table()) all.push_back(std::move(option));
+    for (auto* const table_of_module : {scene_option_table, culling_option_table}) {
+      for (PipelineOption& option : table_of_module()) all.push_back(std::move(option));
+    }
     all.push_back(
         {"num_threads", IntOption{[](PipelineOptions& o) -> int& { return o.num_threads; }, 1, 2},
          "", "1: no second thread; 2: bundle adjustment beside tracking; the result is the same",

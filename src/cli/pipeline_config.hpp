@@ -37,10 +37,16 @@ struct ChoiceOption {
   std::vector<const char*> names;
 };
 
+/// A list of names with commas between them; `when_empty` stands for an empty list.
+struct NamesOption {
+  std::vector<std::string>& (*field)(PipelineOptions&) = nullptr;
+  const char* when_empty = "";
+};
+
 /// One field of PipelineOptions as configuration files name it.
 struct PipelineOption {
   const char* key = "";
-  std::variant<IntOption, RealOption, SeedOption, ChoiceOption> value;
+  std::variant<IntOption, RealOption, SeedOption, ChoiceOption, NamesOption> value;
   const char* unit = "";  ///< "" when it is a plain number
   const char* meaning = "";
   bool affects_result = true;  ///< part of the configuration hash
@@ -50,8 +56,9 @@ struct PipelineOption {
 /// effective configuration of a run, its hash and the table in docs/program.md all follow from it.
 const std::vector<PipelineOption>& pipeline_option_table();
 
-/// Its part for module S.
+/// Its parts for modules S and D.
 std::vector<PipelineOption> scene_option_table();
+std::vector<PipelineOption> culling_option_table();
 
 /// Reads a configuration file, `key: value` a line, over what `options` holds. Unknown or repeated
 /// keys, values of another type and values out of range fail with file, line and reason;

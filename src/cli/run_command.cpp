@@ -140,6 +140,7 @@ class Run {
       record->reliability = result.scene.reliability;
       record->is_good = result.scene.scene_class == SceneClass::kGood;
     }
+    if (result.has_culling) record->num_culled = result.culling.removal.num_removed;
     if (with_report_) features_.append(record->index, result);
     result_.num_map_points = result.num_map_points;
     result_.records.push_back(*record);

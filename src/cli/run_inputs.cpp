@@ -106,6 +106,7 @@ std::string load_options(const RunSettings& settings, RunInputs* inputs) {
     if (!status.ok()) return status.message();
   }
   inputs->options.scene.enabled = inputs->modules.has('S');
+  inputs->options.culling.enabled = inputs->modules.has('D');
   if (settings.num_threads) inputs->options.num_threads = *settings.num_threads;
   const Status valid = inputs->options.validate();
   return valid.ok() ? std::string() : std::string("pipeline options: ") + valid.reason;

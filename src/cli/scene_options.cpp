@@ -1,27 +1,8 @@
-#include <type_traits>
-
+#include "cli/option_choice.hpp"
 #include "cli/pipeline_config.hpp"
 
 namespace srslam::cli {
 namespace {
-
-constexpr double kMuch = 1e6;
-
-/// Accessors of an enumeration whose values are numbered from 0 in the order of `names`.
-template <typename Access>
-ChoiceOption choice(Access, std::vector<const char*> names) {
-  using Value = std::decay_t<decltype(Access::of(std::declval<PipelineOptions&>()))>;
-  ChoiceOption option;
-  option.get = [](const PipelineOptions& options) {
-    PipelineOptions copy = options;  // the accessor gives a mutable reference
-    return static_cast<int>(Access::of(copy));
-  };
-  option.set = [](PipelineOptions& options, int value) {
-    Access::of(options) = static_cast<Value>(value);
-  };
-  option.names = std::move(names);
-  return option;
-}
 
 struct CurrentForm {
   static CurrentReliabilityForm& of(PipelineOptions& o) { return o.scene.assessor.current.form; }

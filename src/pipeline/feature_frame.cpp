@@ -83,6 +83,11 @@ void FeatureFrame::assign(const TrackingCamera& camera, OrbFeatures* extracted,
   min_v_ = camera.min_v;
   cols_per_px_ = kBucketCols / (camera.max_u - camera.min_u);
   rows_per_px_ = kBucketRows / (camera.max_v - camera.min_v);
+  fill_buckets();
+}
+
+void FeatureFrame::fill_buckets() {
+  const std::size_t kept = measurements.size();
   // Counting sort into buckets keeps features in index order within each.
   const auto bucket_of = [&](const Measurement& measurement) {
     const int col = std::clamp(bucket_col(measurement.pixel.x()), 0, kBucketCols - 1);

@@ -71,6 +71,16 @@ class FeatureFrame {
   void assign(const TrackingCamera& camera, OrbFeatures* extracted,
               const ImageView<const float>& depth_m, double min_depth_m, double max_depth_m);
 
+  /// Drops the features for which `is_removed(index)`; the others keep their order.
+  template <typename IsRemoved>
+  void remove_if(IsRemoved is_removed);
+
+  std::size_t num_with_depth() const {
+    return static_cast<std::size_t>(
+        std::count_if(measurements.begin(), measurements.end(),
+                      [](const Measurement& measurement) { return measurement.has_depth(); }));
+  }
+
   /// Calls `visit(index)` for features within the square of half side `radius_px` around (u, v)
   /// whose level is in [min_octave, max_octave]. Order is by bucket, then by index.
   template <typename Visit>
@@ -78,6 +88,8 @@ class FeatureFrame {
                      Visit visit) const;
 
  private:
+  void fill_buckets();
+
   static constexpr int kBucketCols = 64;
   static constexpr int kBucketRows = 48;
   int bucket_col(double u) const { return static_cast<int>((u - min_u_) * cols_per_px_); }
@@ -87,6 +99,25 @@ class FeatureFrame {
   std::vector<std::int32_t> bucket_begin_;
   std::vector<std::int32_t> bucket_items_;
 };
+
+template <typename IsRemoved>
+void FeatureFrame::remove_if(IsRemoved is_removed) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (is_removed(i)) continue;
+    features[kept] = features[i];
+    descriptors[kept] = descriptors[i];
+    measurements[kept] = measurements[i];
+    points[kept] = points[i];
+    ++kept;
+  }
+  if (kept == features.size()) return;
+  features.resize(kept);
+  descriptors.resize(kept);
+  measurements.resize(kept);
+  points.resize(kept);
+  fill_buckets();
+}
 
 template <typename Visit>
 void FeatureFrame::for_each_near(double u, double v, double radius_px, int min_octave,

@@ -65,7 +65,12 @@ Status PipelineOptions::validate() const noexcept {
   if (scene.flow.history < scene.assessor.reference.num_recent_frames()) {
     return bad("scene: the tracker's history must hold all candidates for the reference frame");
   }
-  return scene.flow.validate();
+  if (culling.enabled && !scene.enabled) return bad("culling needs scene: turn both on");
+  for (const Status& status :
+       {scene.flow.validate(), culling.regions.validate(), culling.removal.validate()}) {
+    if (!status.ok()) return status;
+  }
+  return Status::success();
 }
 
 }  // namespace srslam

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pipeline/culling_module.hpp"
 #include "pipeline/keyframe_decision.hpp"
 #include "pipeline/local_mapping.hpp"
 #include "pipeline/map.hpp"
@@ -36,9 +37,14 @@ struct ReferencePipeline::Impl {
     if (options.scene.enabled) {
       scene = std::make_unique<detail::SceneModule>(camera, options.scene);
     }
+    if (options.culling.enabled) {
+      culling = std::make_unique<detail::CullingModule>(camera, options.culling);
+    }
   }
 
   Status check(const PipelineFrame& frame) const;
+  void cull(const PipelineFrame& input, PipelineResult* result);
+  void label_all_features();
   void initialize(const PipelineFrame& input, PipelineResult* result);
   void track(const PipelineFrame& input, PipelineResult* result);
   void insert_keyframe(const PipelineFrame& input, Pose* T_world_camera, std::int32_t* reference,
@@ -50,11 +56,14 @@ struct ReferencePipeline::Impl {
   detail::Map map;
   detail::LocalMapper mapper;
   detail::Tracker tracker;
-  std::unique_ptr<detail::SceneModule> scene;  ///< null without module S
+  std::unique_ptr<detail::SceneModule> scene;      ///< null without module S
+  std::unique_ptr<detail::CullingModule> culling;  ///< null without module D
 
   detail::OrbFeatures extracted;
   FeatureFrame frame;
   std::vector<FeatureLabel> labels;
+  std::vector<Feature> all_features;  ///< with module D: those that were removed, too
+  std::vector<FeatureLabel> all_labels;
   std::vector<std::uint8_t> thumbnail;
   bool has_timestamp = false;
   double last_timestamp_s = 0.0;
@@ -78,11 +87,34 @@ Status ReferencePipeline::Impl::check(const PipelineFrame& input) const {
       (!input.feature_mask.validate().ok() || !has_camera_size(input.feature_mask))) {
     return bad("the feature mask is not of the camera's size");
   }
+  if (!input.object_mask.empty() &&
+      (!input.object_mask.validate().ok() || !has_camera_size(input.object_mask))) {
+    return bad("the object mask is not of the camera's size");
+  }
   if (!std::isfinite(input.timestamp_s)) return bad("the time stamp is not finite");
   if (has_timestamp && !(input.timestamp_s > last_timestamp_s)) {
     return bad("time stamps must increase strictly");
   }
   return Status::success();
+}
+
+void ReferencePipeline::Impl::cull(const PipelineFrame& input, PipelineResult* result) {
+  all_features = frame.features;
+  result->culling = culling->cull(input, result->scene, scene.get());
+  result->has_culling = result->culling.status.ok();
+  if (!result->has_culling) return;
+  const ArrayView<const CullingVerdict> verdicts = result->culling.verdicts;
+  frame.remove_if([&](std::size_t i) { return is_removed(verdicts[i]); });
+}
+
+/// What became of the features that were not removed goes to their places among all.
+void ReferencePipeline::Impl::label_all_features() {
+  const ArrayView<const CullingVerdict> verdicts = culling->verdicts();
+  all_labels.assign(all_features.size(), FeatureLabel::kCulled);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < all_labels.size(); ++i) {
+    if (!is_removed(verdicts[i])) all_labels[i] = labels[kept++];
+  }
 }
 
 void ReferencePipeline::Impl::insert_keyframe(const PipelineFrame& input, Pose* T_world_camera,
@@ -101,7 +133,7 @@ void ReferencePipeline::Impl::insert_keyframe(const PipelineFrame& input, Pose* 
 }
 
 void ReferencePipeline::Impl::initialize(const PipelineFrame& input, PipelineResult* result) {
-  if (result->num_features_with_depth < options.tracking.min_initial_points) {
+  if (frame.num_with_depth() < static_cast<std::size_t>(options.tracking.min_initial_points)) {
     result->keyframe_reason = "too few features with depth to start a map";
     labels.assign(frame.size(), FeatureLabel::kUnmatched);
     return;
@@ -220,15 +252,17 @@ PipelineResult ReferencePipeline::process(const PipelineFrame& input) {
   impl.frame.assign(impl.map.camera(), &impl.extracted, input.depth_m,
                     impl.options.tracking.min_depth_m, impl.options.tracking.max_depth_m);
   result.num_features = static_cast<int>(impl.frame.size());
-  for (const detail::Measurement& measurement : impl.frame.measurements) {
-    if (measurement.has_depth()) ++result.num_features_with_depth;
-  }
+  result.num_features_with_depth = static_cast<int>(impl.frame.num_with_depth());
   result.times.features_ms = stopwatch.lap_ms();
 
   if (impl.scene != nullptr) {
     result.scene = impl.scene->assess(input, impl.frame.features);
     result.has_scene = result.scene.status.ok();
     result.times.scene_ms = stopwatch.lap_ms();
+  }
+  if (impl.culling != nullptr) {
+    impl.cull(input, &result);
+    result.times.culling_ms = stopwatch.lap_ms();
   }
 
   if (impl.map.keyframe_indices().empty()) {
@@ -244,6 +278,11 @@ PipelineResult ReferencePipeline::process(const PipelineFrame& input) {
       result.state == TrackingState::kTracked ? impl.tracker.last_frame() : impl.frame;
   result.features = seen.features;
   result.labels = impl.labels;
+  if (result.has_culling) {
+    impl.label_all_features();
+    result.features = impl.all_features;
+    result.labels = impl.all_labels;
+  }
   result.times.total_ms = total.lap_ms();
   return result;
 }

@@ -31,10 +31,19 @@ SceneReport SceneModule::assess(const PipelineFrame& frame, ArrayView<const Feat
     }
     observation.tracks = tracker_.tracks();
   }
+  measure_raw_residual(observation.tracks);
   report = assessor_.assess(observation);
-  const Status followed = follow_next_reference(report, camera_, &tracker_, &points_);
+  const Status followed = follow_next_reference(report, camera_, &tracker_, &guess_);
   if (report.status.ok()) report.status = followed;
   return report;
+}
+
+void SceneModule::measure_raw_residual(ArrayView<const FlowTrack> tracks) {
+  MotionResidualOptions options = assessor_.options().residual;
+  options.compensation = MotionCompensation::kNone;
+  const MotionResidualResult raw =
+      motion_residual(tracks, camera_, nullptr, options, &raw_workspace_);
+  raw_residual_px_ = raw.status.ok() ? raw.value_px : 0.0;
 }
 
 }  // namespace srslam::detail

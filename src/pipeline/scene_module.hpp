@@ -19,12 +19,25 @@ class SceneModule {
 
   SceneReport assess(const PipelineFrame& frame, ArrayView<const Feature> features);
 
+  /// The features of the last frame, with depth and whether a box holds them.
+  ArrayView<const FlowPoint> points() const { return points_; }
+  /// Its newest frame is the one assessed last.
+  LucasKanadeTracker& tracker() { return tracker_; }
+  /// Motion residual (Eq. 6) of the last frame as printed, with the camera's motion in it [px at
+  /// the reference width]; that of no motion where nothing could be followed.
+  double raw_residual_px() const { return raw_residual_px_; }
+
  private:
+  void measure_raw_residual(ArrayView<const FlowTrack> tracks);
+
   PinholeCamera camera_;
   LucasKanadeTracker tracker_;
   SceneAssessor assessor_;
   std::uint64_t frame_id_ = 0;
   std::vector<FlowPoint> points_;
+  std::vector<FlowPoint> guess_;
+  double raw_residual_px_ = 0.0;
+  DominantMotionWorkspace raw_workspace_;
 };
 
 }  // namespace srslam::detail

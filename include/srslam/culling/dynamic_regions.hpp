@@ -168,7 +168,9 @@ struct DynamicRegionInput {
   ImageView<const std::uint8_t> object_mask;
   SceneClass scene_class = SceneClass::kGood;
   const Pose* T_current_previous = nullptr;  ///< optional: the camera's motion, if it is known
-  const FundamentalMatrix* F = nullptr;      ///< optional: epipolar geometry from elsewhere
+  /// Optional: what the camera's motion is expected to be; it votes among the motions found.
+  const Pose* predicted_T_current_previous = nullptr;
+  const FundamentalMatrix* F = nullptr;  ///< optional: epipolar geometry from elsewhere
 };
 
 /// Buffers of find_dynamic_regions(), kept by the caller so that a steady stream allocates nothing.
@@ -224,6 +226,10 @@ inline double robust_sigma(std::vector<float>& values) noexcept {
   return 1.4826 * median_of(values);
 }
 
+inline bool is_not_finite(const Pose* pose) noexcept {
+  return pose != nullptr && !pose->matrix().allFinite();
+}
+
 /// Axial noise of a structured-light camera at a depth (Nguyen et al. 2012) [m].
 inline double depth_noise_m(double depth_m) noexcept {
   const double beyond_m = depth_m - 0.4;
@@ -273,8 +279,8 @@ class RegionFinder {
       result_.motion = rigid_motion_support(w_.tracks, camera_, *input_.T_current_previous,
                                             options_.motion, &w_.motion);
     } else if (options_.flow_model == FlowModel::kRigid) {
-      result_.motion =
-          dominant_rigid_motion(w_.tracks, camera_, nullptr, options_.motion, &w_.motion);
+      result_.motion = dominant_rigid_motion(
+          w_.tracks, camera_, input_.predicted_T_current_previous, options_.motion, &w_.motion);
     }
     if (!result_.motion.status.ok() && input_.T_current_previous == nullptr) {
       result_.motion =
@@ -507,8 +513,8 @@ inline DynamicRegionsResult find_dynamic_regions(const DynamicRegionInput& input
   } else if (!input.object_mask.empty() && (input.object_mask.width_px != camera.width_px ||
                                             input.object_mask.height_px != camera.height_px)) {
     result.status = bad("the object mask must have the camera's size");
-  } else if (input.T_current_previous != nullptr &&
-             !input.T_current_previous->matrix().allFinite()) {
+  } else if (detail::is_not_finite(input.T_current_previous) ||
+             detail::is_not_finite(input.predicted_T_current_previous)) {
     result.status = bad("the camera's motion is not finite");
   } else {
     detail::RegionFinder(input, camera, options, workspace, features, result).run();

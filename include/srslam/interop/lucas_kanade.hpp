@@ -24,6 +24,7 @@ namespace srslam {
 ///     use(tracker.tracks());
 ///     tracker.follow(reference_id);         // when another frame is to be the reference
 ///
+/// Points of the newest frame can be followed one frame back over the same pyramids (track_back()).
 /// A point that was lost stays lost until the reference changes. OpenCV uses its own threads and
 /// allocates inside; this class allocates only while its buffers grow. Not thread-safe.
 class LucasKanadeTracker {
@@ -98,6 +99,38 @@ class LucasKanadeTracker {
     return slot == nullptr ? ArrayView<const FlowPoint>() : slot->points;
   }
 
+  /// Follows points of the newest frame back into the one pushed before it: `current` of a track
+  /// is the point as given, `reference` where it was (its depth and suspicion are left to the
+  /// caller), alive when it was found. `guess` has a place in the previous frame for each point, or
+  /// is empty: they are sought where they are. kInsufficientData, without tracks, while there is no
+  /// frame before; kInvalidArgument for another number of guesses. Costs what one step of push()
+  /// costs for so many points; the reference and its tracks are not touched.
+  Status track_back(ArrayView<const FlowPoint> points, ArrayView<const FlowPoint> guess,
+                    std::vector<FlowTrack>* tracks) {
+    tracks->clear();
+    if (!status_.ok()) return status_;
+    if (num_pushed_ < 2) {
+      return Status::failure(StatusCode::kInsufficientData, "there is no frame before this one");
+    }
+    if (!guess.empty() && guess.size != points.size) {
+      return Status::failure(StatusCode::kInvalidArgument, "one guess a point is needed");
+    }
+    begin_flow();
+    for (std::size_t i = 0; i < points.size; ++i) {
+      tracks->push_back({points[i], points[i], false});
+      if (!is_inside(points[i].u_px, points[i].v_px)) continue;
+      add_flow(i, points[i], guess);
+    }
+    run_flow(newest(), previous(), !guess.empty());
+    for (std::size_t k = 0; k < followed_.size(); ++k) {
+      FlowTrack& track = (*tracks)[followed_[k]];
+      track.reference.u_px = end_[k].x;
+      track.reference.v_px = end_[k].y;
+      track.alive = arrived(k);
+    }
+    return Status::success();
+  }
+
   bool following() const noexcept { return following_; }
   /// Frame whose points are followed; meaningless until follow() has succeeded.
   std::uint64_t reference_id() const noexcept { return reference_id_; }
@@ -136,40 +169,57 @@ class LucasKanadeTracker {
   /// Follows the tracks that are alive, whose `current` is in `from`, into the newest frame.
   /// `guess`, if any, has a point for every track.
   void advance(const Slot& from, ArrayView<const FlowPoint> guess) {
-    start_.clear();
-    alive_.clear();
-    end_.clear();
+    begin_flow();
     for (std::size_t i = 0; i < tracks_.size(); ++i) {
-      if (!tracks_[i].alive) continue;
-      alive_.push_back(i);
-      start_.emplace_back(tracks_[i].current.u_px, tracks_[i].current.v_px);
-      if (!guess.empty()) end_.emplace_back(guess[i].u_px, guess[i].v_px);
+      if (tracks_[i].alive) add_flow(i, tracks_[i].current, guess);
     }
-    if (alive_.empty()) return;
-    const Slot& to = newest();
+    run_flow(from, newest(), !guess.empty());
+    for (std::size_t k = 0; k < followed_.size(); ++k) {
+      FlowTrack& track = tracks_[followed_[k]];
+      track.current.u_px = end_[k].x;
+      track.current.v_px = end_[k].y;
+      track.alive = arrived(k);
+    }
+  }
+
+  void begin_flow() {
+    followed_.clear();
+    start_.clear();
+    end_.clear();
+  }
+
+  /// Point number `index` of the caller; `guess`, if any, has one for each number.
+  void add_flow(std::size_t index, const FlowPoint& from, ArrayView<const FlowPoint> guess) {
+    followed_.push_back(index);
+    start_.emplace_back(from.u_px, from.v_px);
+    if (!guess.empty()) end_.emplace_back(guess[index].u_px, guess[index].v_px);
+  }
+
+  /// Moves start_ in `from` to end_ in `to`, and back to back_ if that is to be checked.
+  void run_flow(const Slot& from, const Slot& to, bool has_guess) {
+    if (followed_.empty()) return;
     const cv::Size window(options_.window_px, options_.window_px);
     const cv::TermCriteria criteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS,
                                     options_.max_iterations, options_.epsilon_px);
     cv::calcOpticalFlowPyrLK(from.pyramid, to.pyramid, start_, end_, found_, errors_, window,
-                             max_level_, criteria, guess.empty() ? 0 : cv::OPTFLOW_USE_INITIAL_FLOW,
+                             max_level_, criteria, has_guess ? cv::OPTFLOW_USE_INITIAL_FLOW : 0,
                              options_.min_eigenvalue);
-    const bool check_back = options_.max_forward_backward_px > 0.0;
-    if (check_back) {
-      back_ = start_;
-      cv::calcOpticalFlowPyrLK(to.pyramid, from.pyramid, end_, back_, found_back_, errors_, window,
-                               std::min(max_level_, options_.backward_levels - 1), criteria,
-                               cv::OPTFLOW_USE_INITIAL_FLOW, options_.min_eigenvalue);
-    }
-    for (std::size_t k = 0; k < alive_.size(); ++k) {
-      FlowTrack& track = tracks_[alive_[k]];
-      track.current.u_px = end_[k].x;
-      track.current.v_px = end_[k].y;
-      track.alive = found_[k] != 0 && is_inside(end_[k].x, end_[k].y);
-      if (!track.alive || !check_back) continue;
-      const double off_px = std::hypot(double(back_[k].x) - double(start_[k].x),
-                                       double(back_[k].y) - double(start_[k].y));
-      track.alive = found_back_[k] != 0 && off_px <= options_.max_forward_backward_px;
-    }
+    if (!checks_back()) return;
+    back_ = start_;
+    cv::calcOpticalFlowPyrLK(to.pyramid, from.pyramid, end_, back_, found_back_, errors_, window,
+                             std::min(max_level_, options_.backward_levels - 1), criteria,
+                             cv::OPTFLOW_USE_INITIAL_FLOW, options_.min_eigenvalue);
+  }
+
+  bool checks_back() const noexcept { return options_.max_forward_backward_px > 0.0; }
+
+  /// Whether point `k` of run_flow() was found, inside the border, and found back.
+  bool arrived(std::size_t k) const noexcept {
+    if (found_[k] == 0 || !is_inside(end_[k].x, end_[k].y)) return false;
+    if (!checks_back()) return true;
+    const double off_px = std::hypot(double(back_[k].x) - double(start_[k].x),
+                                     double(back_[k].y) - double(start_[k].y));
+    return found_back_[k] != 0 && off_px <= options_.max_forward_backward_px;
   }
 
   LucasKanadeOptions options_;
@@ -182,7 +232,7 @@ class LucasKanadeTracker {
   bool following_ = false;
   std::uint64_t reference_id_ = 0;
   std::vector<FlowTrack> tracks_;
-  std::vector<std::size_t> alive_;
+  std::vector<std::size_t> followed_;  ///< numbers of the points in start_
   std::vector<cv::Point2f> start_, end_, back_;
   std::vector<std::uint8_t> found_, found_back_;
   std::vector<float> errors_;

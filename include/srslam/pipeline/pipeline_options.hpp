@@ -3,6 +3,8 @@
 #include <cstdint>
 
 #include "srslam/core/status.hpp"
+#include "srslam/culling/dynamic_culling.hpp"
+#include "srslam/culling/dynamic_regions.hpp"
 #include "srslam/scene/lucas_kanade_options.hpp"
 #include "srslam/scene/reliability.hpp"
 
@@ -59,12 +61,21 @@ struct SceneOptions {
   LucasKanadeOptions flow;
 };
 
+/// Module D: removes the features that move by themselves before the frame is tracked
+/// (docs/dynamic_culling.md). Needs module S.
+struct CullingOptions {
+  bool enabled = false;
+  DynamicRegionOptions regions;   ///< stage 1: which features may move
+  DynamicCullingOptions removal;  ///< stage 2: which of these go
+};
+
 struct PipelineOptions {
   FeatureOptions features;
   TrackingOptions tracking;
   KeyframeOptions keyframes;
   MappingOptions mapping;
   SceneOptions scene;
+  CullingOptions culling;
   int num_threads = 2;  ///< 1 or 2: with 2, bundle adjustment overlaps tracking; same bits
 
   /// Ok, or the first value outside its domain.

@@ -12,8 +12,11 @@
 #include "srslam/core/image_view.hpp"
 #include "srslam/core/pose.hpp"
 #include "srslam/core/status.hpp"
+#include "srslam/culling/dynamic_culling.hpp"
+#include "srslam/culling/dynamic_regions.hpp"
 #include "srslam/evaluation/trajectory.hpp"
 #include "srslam/pipeline/pipeline_options.hpp"
+#include "srslam/scene/flow_track.hpp"
 #include "srslam/scene/reliability.hpp"
 
 namespace srslam {
@@ -29,6 +32,9 @@ struct PipelineFrame {
   /// does not mask by them.
   ArrayView<const Detection> detections;
   bool has_detections = false;
+  /// Optional, camera's size: not 0 on what may move by itself. Then module D does not look at the
+  /// boxes.
+  ImageView<const std::uint8_t> object_mask;
 };
 
 enum class TrackingState : std::uint8_t {
@@ -53,6 +59,7 @@ constexpr const char* to_string(TrackingState state) noexcept {
 struct StageTimes {
   double features_ms = 0.0;
   double scene_ms = 0.0;      ///< module S: optical flow and assessment
+  double culling_ms = 0.0;    ///< module D: flow of the features, regions and removal
   double tracking_ms = 0.0;   ///< matching and pose solving against the last frame
   double local_map_ms = 0.0;  ///< projection of the local map and the final pose
   double relocalization_ms = 0.0;
@@ -66,6 +73,18 @@ enum class FeatureLabel : std::uint8_t {
   kUnmatched,  ///< no map point found
   kInlier,     ///< matched and consistent with the pose
   kOutlier,    ///< matched, rejected by the χ² gate
+  kCulled,     ///< removed by module D before the frame was tracked
+};
+
+/// What module D saw in a frame and did. The views have a place for each of
+/// PipelineResult::features and are valid until the next process().
+struct CullingReport {
+  Status status;                 ///< not ok: nothing was removed
+  DynamicRegionsResult regions;  ///< stage 1; its status says when the camera's motion is unknown
+  DynamicCullingResult removal;  ///< stage 2
+  ArrayView<const FlowPoint> points;  ///< where the features are, with their depth
+  ArrayView<const FeatureSuspicion> suspicions;
+  ArrayView<const CullingVerdict> verdicts;
 };
 
 struct PipelineResult {
@@ -83,6 +102,8 @@ struct PipelineResult {
   int num_map_points = 0;
   bool has_scene = false;  ///< module S has judged the frame
   SceneReport scene;
+  bool has_culling = false;  ///< module D has looked at the frame
+  CullingReport culling;
   StageTimes times;
   /// Features of this frame and what became of each, valid until the next process().
   ArrayView<const Feature> features;

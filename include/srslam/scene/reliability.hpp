@@ -192,6 +192,10 @@ struct SceneReport {
   /// (predict_flow_points()). Only when reference_changed.
   bool has_next_motion = false;
   Pose T_current_next_reference = Pose::Identity();
+  /// The camera's motion since the previous frame, as far as the tracks tell: both frames were
+  /// measured against reference frames whose places are known to each other.
+  bool has_step_motion = false;
+  Pose T_current_previous = Pose::Identity();
   const char* weakest = "";  ///< term with the lowest value
 
   /// Everything in one line.
@@ -377,6 +381,8 @@ class SceneAssessor {
       const Pose T_path_here = T_path_reference * residual.motion.T_current_reference.inverse();
       if (on_path) {
         state_.T_before_last = PlainPose(T_path_last.inverse() * T_path_here);
+        report->has_step_motion = state_.num_coasted_frames == 0;
+        report->T_current_previous = T_path_here.inverse() * T_path_last;
         state_.has_velocity = state_.num_coasted_frames == 0;
       }
       state_.num_coasted_frames = 0;

@@ -27,7 +27,9 @@ void FeatureStore::append(std::size_t frame_index, const PipelineResult& result)
   const std::size_t count = std::min(result.features.size, result.labels.size);
   features.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    features.push_back({result.features[i].u_px, result.features[i].v_px, result.labels[i]});
+    const bool potential = result.has_culling && result.culling.suspicions[i].potential();
+    features.push_back(
+        {result.features[i].u_px, result.features[i].v_px, result.labels[i], potential});
   }
   const std::size_t num_bytes = features.size() * sizeof(DrawnFeature);
   // A full disk costs the features of this frame, no more.

@@ -15,6 +15,7 @@ struct DrawnFeature {
   float u_px = 0.0F;
   float v_px = 0.0F;
   FeatureLabel label = FeatureLabel::kUnmatched;
+  bool potential = false;  ///< may move, by module D, removed or not
 };
 
 /// The features of every frame of a run, until it is known which frames are shown. They are kept in

@@ -31,6 +31,7 @@ struct LabelColor {
 };
 const std::vector<LabelColor>& label_colors() {
   static const std::vector<LabelColor> colors = {
+      {FeatureLabel::kCulled, {220, 40, 200}, "#c828dc", "removed, moves by itself"},
       {FeatureLabel::kUnmatched, {235, 150, 60}, "#3c96eb", "no map point found"},
       {FeatureLabel::kOutlier, {40, 40, 230}, "#e62828", "matched, inconsistent with the pose"},
       {FeatureLabel::kInlier, {60, 205, 60}, "#3ccd3c", "matched, used for the pose"}};
@@ -40,6 +41,8 @@ const cv::Vec3b kBoxColor(0, 190, 255);
 constexpr const char* kBoxCss = "#ffbe00";
 const cv::Vec3b kMaskColor(230, 60, 190);
 constexpr const char* kMaskCss = "#be3ce6";
+const cv::Vec3b kPotentialColor(60, 230, 240);
+constexpr const char* kPotentialCss = "#f0e63c";
 constexpr const char* kMaskFolder = "masks";
 
 cv::Scalar scalar(const cv::Vec3b& color) {
@@ -76,11 +79,16 @@ cv::Mat mask_of(const RunInputs& inputs, const FrameRecord& record) {
   return cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
 }
 
-std::string legend(bool has_masks) {
+std::string legend(bool has_masks, bool has_culling) {
   std::string text = "<p>Features: ";
   for (const LabelColor& color : label_colors()) {
+    if (color.label == FeatureLabel::kCulled && !has_culling) continue;
     text += std::string("<span class=\"key\" style=\"background:") + color.css + "\"></span>" +
             color.meaning;
+  }
+  if (has_culling) {
+    text += std::string("<span class=\"key\" style=\"background:") + kPotentialCss +
+            "\"></span>ring: may move, kept";
   }
   return text + "<span class=\"key\" style=\"background:" + kBoxCss +
          "\"></span>box: a detection with its score" +
@@ -104,6 +112,7 @@ std::string caption(const FrameRecord& record, const std::string& reason, double
     text += std::string(", ") + (*record.is_good ? "GOOD" : "BAD") + " scene, reliability " +
             fixed_text(*record.reliability, 2);
   }
+  if (record.num_culled) text += ", " + std::to_string(*record.num_culled) + " removed";
   return reason.empty() ? text : text + " (" + reason + ")";
 }
 
@@ -186,6 +195,9 @@ std::string overlay_jpeg(ImageView<const std::uint8_t> gray, ImageView<const std
       if (feature.label != color.label) continue;
       cv::circle(picture, {cvRound(feature.u_px), cvRound(feature.v_px)}, 2, scalar(color.bgr), 1,
                  cv::LINE_AA);
+      if (!feature.potential || feature.label == FeatureLabel::kCulled) continue;
+      cv::circle(picture, {cvRound(feature.u_px), cvRound(feature.v_px)}, 5,
+                 scalar(kPotentialColor), 1, cv::LINE_AA);
     }
   }
   for (const Detection& detection : detections) {
@@ -230,7 +242,8 @@ std::string frame_pictures_html(const RunInputs& inputs, const RunResult& result
   }
   std::string html = "<h2>Frames</h2>\n";
   if (pictures.empty()) return html + "<p>No frame came to the pipeline.</p>\n";
-  return html + legend(has_masks) + "<div class=\"grid\">\n" + pictures + "</div>\n";
+  return html + legend(has_masks, inputs.options.culling.enabled) + "<div class=\"grid\">\n" +
+         pictures + "</div>\n";
 }
 
 }  // namespace srslam::cli

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <utility>
 
 #include "cli/gnuplot.hpp"
 #include "cli/library_versions.hpp"
@@ -43,13 +44,19 @@ PlotPanel count_panel(const RunResult& result) {
   PlotSeries inliers{"inliers", {}};
   PlotSeries features{"features", {}};
   PlotSeries matches{"matches", {}};
+  PlotSeries culled{"removed as dynamic", {}};
   for (const FrameRecord& record : result.records) {
     if (record.times.total_ms <= 0.0) continue;
     inliers.samples.push_back({record.timestamp_s, double(record.num_inliers)});
     features.samples.push_back({record.timestamp_s, double(record.num_features)});
     matches.samples.push_back({record.timestamp_s, double(record.num_matches)});
+    if (record.num_culled) {
+      culled.samples.push_back({record.timestamp_s, double(*record.num_culled)});
+    }
   }
-  return {"Features", "count", {inliers, features, matches}};
+  PlotPanel panel{"Features", "count", {inliers, features, matches}};
+  if (!culled.samples.empty()) panel.series.push_back(std::move(culled));
+  return panel;
 }
 
 /// Stages of every frame, or those of mapping, which work on some frames only.
