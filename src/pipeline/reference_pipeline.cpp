@@ -212,8 +212,11 @@ void ReferencePipeline::Impl::track(const PipelineFrame& input, PipelineResult* 
   const detail::KeyframeDecision decision =
       detail::decide_keyframe(keyframe_evidence(reference, outcome.num_inliers), options.keyframes,
                               options.tracking.min_inliers);
-  result->keyframe_reason = decision.reason;
-  if (decision.insert) insert_keyframe(input, &T_world_camera, &reference, result);
+  // What moves is still among the features of such a frame, and would get into the map.
+  const bool mixed =
+      result->has_culling && result->culling.removal.branch == CullingBranch::kSparing;
+  result->keyframe_reason = mixed ? "features that move could not be removed" : decision.reason;
+  if (decision.insert && !mixed) insert_keyframe(input, &T_world_camera, &reference, result);
   tracked_poses.push_back(
       {input.timestamp_s, reference, map.T_world_keyframe(reference).inverse() * T_world_camera});
   tracker.remember(input.timestamp_s, T_world_camera, reference, true, &frame);

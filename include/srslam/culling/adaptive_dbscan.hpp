@@ -86,7 +86,9 @@ enum class ClusterSpace : std::uint8_t {
 };
 
 struct AdaptiveDbscanOptions {
-  double eps_base = 0.02;              ///< in the unit of `space`; > 0
+  /// In the unit of `space`; > 0. The paper has 0.02 of an unnamed unit; with image widths that
+  /// leaves half the anomalies of a walking person as noise (docs/dynamic_culling.md).
+  double eps_base = 0.06;
   double min_points_base = 3.0;        ///< >= 1
   AdaptationOptions eps_adaptation{};  ///< by the scene reliability (Eq. 13)
   /// By the feature quality on a scale of 0 to 1 (Eq. 14).

@@ -36,6 +36,7 @@ enum class CullingBranch : std::uint8_t {
   kInitialization,  ///< no residual yet: refined, on the assumption that little moves
   kAggressive,      ///< high motion: all potential features
   kRefined,         ///< depth-assisted adaptive DBSCAN
+  kSparing,         ///< the same at high motion, because too little is not potential
 };
 
 constexpr const char* to_string(CullingBranch branch) noexcept {
@@ -48,6 +49,8 @@ constexpr const char* to_string(CullingBranch branch) noexcept {
       return "aggressive";
     case CullingBranch::kRefined:
       return "refined";
+    case CullingBranch::kSparing:
+      return "sparing";
   }
   return "unknown";
 }
@@ -56,6 +59,10 @@ struct DynamicCullingOptions {
   BranchResidual residual = BranchResidual::kCompensated;
   double high_motion_px = 5.0;       ///< of the compensated residual, exclusive; > 0
   double high_motion_raw_px = 60.0;  ///< of the raw residual, exclusive; > 0
+  /// At high motion all potential features go only if at least this share of all features is left;
+  /// else the branch is refined: boxes that fill the image hold background, too, and a tracker
+  /// without features is lost. [0, 1], 0 as printed
+  double min_kept_share = 0.1;
   ClusteredFeatures clustered = ClusteredFeatures::kAnomalies;
   double min_anomalous_share = 0.3;  ///< of a dynamic cluster (kPotential); [0, 1]
   AdaptiveDbscanOptions clustering;
@@ -68,6 +75,9 @@ struct DynamicCullingOptions {
       if (!(limit_px > 0.0) || !std::isfinite(limit_px)) {
         return bad("high_motion_px and high_motion_raw_px must be positive and finite");
       }
+    }
+    if (!(min_kept_share >= 0.0) || min_kept_share > 1.0) {
+      return bad("min_kept_share must be in [0, 1]");
     }
     if (!(min_anomalous_share >= 0.0) || min_anomalous_share > 1.0) {
       return bad("min_anomalous_share must be in [0, 1]");
@@ -260,7 +270,7 @@ class RefinedCulling {
 /// Which potential features go (Algorithm 1, stage 2). While initializing, and when the residual is
 /// not above the limit, anomalies are clustered (depth-assisted adaptive DBSCAN, Eq. 9-14):
 /// clusters go, and with them the potential features near their core points; anomalies that are
-/// noise stay. At high motion every potential feature goes.
+/// noise stay. At high motion every potential feature goes, if that leaves enough.
 ///
 /// `points` are the features of the frame, `features` what stage 1 says of them, `verdicts` has a
 /// place for each. The same input gives the same bits; allocates only while the workspace grows.
@@ -297,9 +307,13 @@ inline DynamicCullingResult cull_dynamic_features(
                                                                    : options.high_motion_px;
   if (frame.initializing) {
     result.branch = CullingBranch::kInitialization;
+  } else if (!(frame.residual_px > limit_px)) {
+    result.branch = CullingBranch::kRefined;
   } else {
-    result.branch =
-        frame.residual_px > limit_px ? CullingBranch::kAggressive : CullingBranch::kRefined;
+    const double num_left = double(features.size) - num_potential;
+    result.branch = num_left >= options.min_kept_share * double(features.size)
+                        ? CullingBranch::kAggressive
+                        : CullingBranch::kSparing;
   }
   if (result.branch == CullingBranch::kAggressive) {
     for (std::size_t i = 0; i < features.size; ++i) {

@@ -34,7 +34,7 @@ enum class EpipolarSource : std::uint8_t {
 struct DynamicRegionOptions {
   /// What image motion is compared with: a rigid scene, or, without depth, affine flow.
   FlowModel flow_model = FlowModel::kRigid;
-  DominantMotionOptions motion;
+  DominantMotionOptions motion = between_frames();
   double flow_px = 3.0;  ///< deviation from the camera's motion, at the reference width; > 0
   /// ... or so many robust standard deviations (1.4826 MAD) of the tracks outside boxes, if that is
   /// more. >= 0
@@ -57,6 +57,15 @@ struct DynamicRegionOptions {
   double min_score = 0.25;           ///< boxes below are not looked at; [0, 1]
   /// Features this near to an anomaly outside all boxes are potential, too [image widths]; >= 0.
   double region_radius = 0.02;
+
+  /// From one frame to the next the camera's motion and that of people differ by a few pixels: a
+  /// motion between both would explain either within the distance that suits older references.
+  static DominantMotionOptions between_frames() noexcept {
+    DominantMotionOptions options;
+    options.inlier_px = 0.7;
+    options.inlier_per_flow = 0.04;
+    return options;
+  }
 
   Status validate() const noexcept {
     const auto bad = [](const char* reason) {

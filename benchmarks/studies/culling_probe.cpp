@@ -1,0 +1,290 @@
+// How well features on movers are found and the others kept, by several ways of removal.
+//
+//     culling_probe --dataset DIR --output FILE.csv [--picture FILE.jpg --picture-frames I,J]
+//
+// The dataset needs masks/ (srslam synth): what a mask marks moves, everything else stands still.
+// Writes one line a frame: how many features of either kind each way removes, and how far the
+// camera's motion of stage 1 is from the truth. culling_scores.py makes a table of these files. The
+// picture shows the chosen frames, a column for each way.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/run_inputs.hpp"
+#include "srslam/core/se3.hpp"
+#include "srslam/culling/removal_baselines.hpp"
+#include "srslam/evaluation/association.hpp"
+#include "srslam/interop/opencv.hpp"
+#include "srslam/pipeline/reference_pipeline.hpp"
+
+namespace {
+
+using srslam::CullingReport;
+using srslam::FeatureSuspicion;
+using srslam::ImageView;
+using srslam::PipelineResult;
+using srslam::Pose;
+using srslam::RemovalBaseline;
+
+/// A way to choose the features to remove.
+struct Way {
+  const char* name;
+  const char* title;
+};
+constexpr std::array<Way, 8> kWays = {{{"geometry", "geometry only"},
+                                       {"detection", "detection only"},
+                                       {"both", "both"},
+                                       {"proportion", "proportion"},
+                                       {"k_means", "k-means"},
+                                       {"convex_hull", "convex hull"},
+                                       {"dbscan", "plain DBSCAN"},
+                                       {"srslam", "srslam"}}};
+constexpr std::size_t kFirstBaseline = 3;
+constexpr std::size_t kOurs = 7;
+
+using Removed = std::vector<std::uint8_t>;
+
+class Removals {
+ public:
+  explicit Removals(const srslam::PinholeCamera& camera) : camera_(camera) {}
+
+  /// What each way of kWays removes of the features that module D has looked at.
+  const std::array<Removed, kWays.size()>& find(const CullingReport& report,
+                                                srslam::ArrayView<const srslam::Detection> boxes) {
+    const std::size_t size = report.points.size;
+    for (Removed& removed : removed_) removed.assign(size, 0);
+    for (std::size_t i = 0; i < size; ++i) {
+      const FeatureSuspicion& feature = report.suspicions[i];
+      removed_[0][i] = feature.anomalous() ? 1 : 0;
+      removed_[1][i] = feature.in_object ? 1 : 0;
+      removed_[2][i] = feature.potential() ? 1 : 0;
+      removed_[kOurs][i] = srslam::is_removed(report.verdicts[i]) ? 1 : 0;
+    }
+    movable_.clear();
+    for (const srslam::Detection& box : boxes) {
+      if (srslam::is_movable_class(box.class_name)) movable_.push_back(box);
+    }
+    for (const RemovalBaseline baseline :
+         {RemovalBaseline::kProportion, RemovalBaseline::kKMeans, RemovalBaseline::kConvexHull,
+          RemovalBaseline::kDbscan}) {
+      Removed& removed = removed_[kFirstBaseline + static_cast<std::size_t>(baseline)];
+      srslam::remove_by_baseline(baseline, report.points, report.suspicions, movable_, camera_, {},
+                                 workspace_, removed);
+    }
+    return removed_;
+  }
+
+ private:
+  srslam::PinholeCamera camera_;
+  srslam::RemovalBaselineWorkspace workspace_;
+  std::vector<srslam::Detection> movable_;
+  std::array<Removed, kWays.size()> removed_;
+};
+
+cv::Mat read_mask(const srslam::TumDataset& dataset, std::size_t frame) {
+  const std::filesystem::path color(dataset.entry(frame).color_file);
+  const std::filesystem::path file =
+      std::filesystem::path(dataset.folder()) / "masks" / color.stem().concat(".png");
+  return cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+}
+
+bool on_mover(const cv::Mat& mask, const srslam::Feature& feature) {
+  const int u = std::clamp(cvRound(feature.u_px), 0, mask.cols - 1);
+  const int v = std::clamp(cvRound(feature.v_px), 0, mask.rows - 1);
+  return mask.at<std::uint8_t>(v, u) != 0;
+}
+
+/// One frame with the features as a way leaves them: green kept, red removed; where that is wrong,
+/// yellow on a mover that stays and blue on what stands still and goes.
+cv::Mat picture_of(ImageView<const std::uint8_t> gray, const PipelineResult& result,
+                   const cv::Mat& mask, const Removed& removed, const std::string& title) {
+  cv::Mat picture;
+  cv::cvtColor(srslam::as_mat(gray), picture, cv::COLOR_GRAY2BGR);
+  picture = picture * 0.7;
+  const cv::Scalar kept_right(90, 210, 90);
+  const cv::Scalar kept_wrong(0, 230, 255);
+  const cv::Scalar removed_right(50, 50, 240);
+  const cv::Scalar removed_wrong(255, 140, 0);
+  for (std::size_t i = 0; i < result.features.size; ++i) {
+    const srslam::Feature& feature = result.features[i];
+    const bool moves = on_mover(mask, feature);
+    const cv::Point place(cvRound(feature.u_px), cvRound(feature.v_px));
+    const cv::Scalar& color = removed[i] != 0 ? (moves ? removed_right : removed_wrong)
+                                              : (moves ? kept_wrong : kept_right);
+    cv::circle(picture, place, 3, color, cv::FILLED, cv::LINE_AA);
+  }
+  cv::rectangle(picture, {0, 0, picture.cols, 34}, {0, 0, 0}, cv::FILLED);
+  cv::putText(picture, title, {8, 24}, cv::FONT_HERSHEY_SIMPLEX, 0.8, {255, 255, 255}, 1,
+              cv::LINE_AA);
+  cv::resize(picture, picture, {}, 0.5, 0.5, cv::INTER_AREA);
+  return picture;
+}
+
+/// The true camera pose at each frame, where there is one.
+std::vector<const Pose*> true_poses(const srslam::cli::RunInputs& inputs) {
+  std::vector<const Pose*> poses(inputs.num_frames, nullptr);
+  std::vector<double> stamps;
+  for (std::size_t i = 0; i < inputs.num_frames; ++i) {
+    stamps.push_back(inputs.dataset.entry(i).timestamp_s);
+  }
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const auto at = std::lower_bound(
+        inputs.groundtruth.begin(), inputs.groundtruth.end(), stamps[i] - 1e-3,
+        [](const srslam::StampedPose& pose, double time_s) { return pose.timestamp_s < time_s; });
+    if (at != inputs.groundtruth.end() && at->timestamp_s < stamps[i] + 1e-3) {
+      poses[i] = &at->T_world_camera;
+    }
+  }
+  return poses;
+}
+
+struct ProbeSettings {
+  std::string dataset;
+  std::string output;
+  std::string config;
+  std::string picture;
+  std::vector<std::size_t> picture_frames;
+  std::vector<std::string> picture_ways;
+};
+
+int probe(int argc, char** argv) {
+  ProbeSettings settings;
+  CLI::App app("How well features on movers are found and the others kept");
+  app.add_option("--dataset", settings.dataset, "Rendered sequence with masks")->required();
+  app.add_option("--output", settings.output, "CSV file to write")->required();
+  app.add_option("--config", settings.config, "Pipeline configuration");
+  app.add_option("--picture", settings.picture, "Picture to write");
+  app.add_option("--picture-frames", settings.picture_frames, "Rows")->delimiter(',');
+  app.add_option("--picture-ways", settings.picture_ways, "Columns")->delimiter(',');
+  CLI11_PARSE(app, argc, argv);
+
+  srslam::cli::RunSettings run;
+  run.dataset_folder = settings.dataset;
+  run.config_file = settings.config;
+  run.modules = "S,D";
+  srslam::cli::RunInputs inputs;
+  // load_run_inputs() only names this folder, nothing is written to it.
+  run.output_folder = settings.output + ".unused";
+  const std::string reason = load_run_inputs(run, &inputs);
+  if (!reason.empty()) {
+    std::cerr << "culling_probe: " << reason << '\n';
+    return 2;
+  }
+  const std::vector<const Pose*> truth = true_poses(inputs);
+  srslam::ReferencePipeline pipeline(inputs.camera.camera, inputs.options);
+  Removals removals(inputs.camera.camera);
+
+  std::ofstream out(settings.output);
+  out << "frame,branch,scene_class,reliability,residual_px,state,num_static,num_dynamic,"
+         "num_static_inliers,num_dynamic_inliers,step_error_m,step_error_rad";
+  for (const Way& way : kWays) out << ",static_" << way.name << ",dynamic_" << way.name;
+  out << '\n';
+  std::vector<cv::Mat> rows;
+  srslam::LoadedFrame loaded;
+  for (std::size_t i = 0; i < inputs.num_frames; ++i) {
+    const srslam::FileStatus status = inputs.dataset.load(i, inputs.camera, &loaded);
+    if (!status.ok()) {
+      std::cerr << "culling_probe: " << status.message() << '\n';
+      return 1;
+    }
+    if (!loaded.has_depth) continue;
+    const cv::Mat mask = read_mask(inputs.dataset, i);
+    if (mask.empty()) {
+      std::cerr << "culling_probe: frame " << i << " has no mask in " << settings.dataset
+                << "/masks: take a sequence of `srslam synth`\n";
+      return 1;
+    }
+    const srslam::PipelineFrame frame = pipeline_frame(loaded, inputs);
+    const PipelineResult result = pipeline.process(frame);
+    if (!result.has_culling) continue;
+    const auto& removed = removals.find(
+        result.culling,
+        frame.has_detections ? frame.detections : srslam::ArrayView<const srslam::Detection>());
+
+    std::array<int, 2> counts{};
+    std::array<int, 2> inliers{};
+    std::array<std::array<int, 2>, kWays.size()> gone{};
+    for (std::size_t k = 0; k < result.features.size; ++k) {
+      const std::size_t moves = on_mover(mask, result.features[k]) ? 1 : 0;
+      ++counts[moves];
+      if (result.labels[k] == srslam::FeatureLabel::kInlier) ++inliers[moves];
+      for (std::size_t way = 0; way < kWays.size(); ++way) gone[way][moves] += removed[way][k];
+    }
+    double error_m = std::nan("");
+    double error_rad = std::nan("");
+    const srslam::DominantMotionResult& motion = result.culling.regions.motion;
+    if (i > 0 && truth[i] != nullptr && truth[i - 1] != nullptr && motion.status.ok() &&
+        motion.model == srslam::FlowModel::kRigid) {
+      const Pose error = truth[i]->inverse() * *truth[i - 1] * motion.T_current_reference.inverse();
+      const srslam::Vector6 tangent = srslam::se3_log(error);
+      error_m = tangent.head<3>().norm();
+      error_rad = tangent.tail<3>().norm();
+    }
+    out << i << ',' << to_string(result.culling.removal.branch) << ','
+        << to_string(result.scene.scene_class) << ',' << result.scene.reliability << ','
+        << result.scene.terms.residual_px << ',' << to_string(result.state) << ',' << counts[0]
+        << ',' << counts[1] << ',' << inliers[0] << ',' << inliers[1] << ',' << error_m << ','
+        << error_rad;
+    for (const auto& [still, moving] : gone) out << ',' << still << ',' << moving;
+    out << '\n';
+
+    if (std::find(settings.picture_frames.begin(), settings.picture_frames.end(), i) ==
+        settings.picture_frames.end()) {
+      continue;
+    }
+    std::vector<cv::Mat> columns;
+    for (std::size_t way = 0; way < kWays.size(); ++way) {
+      const auto& wanted = settings.picture_ways;
+      if (!wanted.empty() &&
+          std::find(wanted.begin(), wanted.end(), kWays[way].name) == wanted.end()) {
+        continue;
+      }
+      columns.push_back(
+          picture_of(loaded.gray.view(), result, mask, removed[way], kWays[way].title));
+    }
+    if (columns.empty()) {
+      std::cerr << "culling_probe: --picture-ways names none of the ways\n";
+      return 2;
+    }
+    rows.emplace_back();
+    cv::hconcat(columns, rows.back());
+  }
+  out.flush();
+  if (!out) {
+    std::cerr << "culling_probe: cannot write " << settings.output << '\n';
+    return 1;
+  }
+  if (settings.picture.empty()) return 0;
+  cv::Mat picture;
+  if (!rows.empty()) cv::vconcat(rows, picture);
+  if (rows.empty() || !cv::imwrite(settings.picture, picture, {cv::IMWRITE_JPEG_QUALITY, 85})) {
+    std::cerr << "culling_probe: cannot write " << settings.picture
+              << (rows.empty() ? ": no frame was chosen" : "") << '\n';
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return probe(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "culling_probe: " << error.what() << '\n';
+    return 1;
+  }
+}
