@@ -40,9 +40,9 @@ CullingInput random_culling_input(Rng& rng) {
   input.options.clustering.eps_base = rng.uniform(0.005, 0.05);
   input.options.clustering.group_depths = rng.uniform(0.0, 1.0) < 0.8;
   if (rng.coin()) input.options.clustered = ClusteredFeatures::kPotential;
-  constexpr ClusterSpace kSpaces[] = {ClusterSpace::kImageWidth, ClusterSpace::kImageDiagonal,
-                                      ClusterSpace::kFocalLength};
-  input.options.clustering.space = kSpaces[rng.uniform_int(0, 2)];
+  constexpr ClusterSpace kImageSpaces[] = {ClusterSpace::kImageWidth, ClusterSpace::kImageDiagonal,
+                                           ClusterSpace::kFocalLength};
+  input.options.clustering.space = kImageSpaces[rng.uniform_int(0, 2)];
   return input;
 }
 

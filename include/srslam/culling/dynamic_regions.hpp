@@ -17,8 +17,8 @@
 #include "srslam/core/image_view.hpp"
 #include "srslam/core/pose.hpp"
 #include "srslam/core/status.hpp"
-#include "srslam/culling/dbscan_lanes.hpp"
 #include "srslam/culling/epipolar_geometry.hpp"
+#include "srslam/culling/near_points.hpp"
 #include "srslam/scene/classification.hpp"
 #include "srslam/scene/dominant_motion.hpp"
 #include "srslam/scene/flow_track.hpp"
@@ -179,7 +179,7 @@ struct DynamicRegionWorkspace {
   std::vector<PixelPair> pairs, background_pairs;
   std::vector<std::uint32_t> pair_track;
   std::vector<float> values;
-  std::vector<float> anomaly_u_px, anomaly_v_px;
+  NearPoints anomalies;  ///< outside objects
 };
 
 namespace detail {
@@ -433,27 +433,17 @@ class RegionFinder {
 
   /// Regions around anomalies that no object explains.
   void mark_neighborhoods() {
-    w_.anomaly_u_px.clear();
-    w_.anomaly_v_px.clear();
+    w_.anomalies.clear();
     for (std::size_t i = 0; i < w_.tracks.size(); ++i) {
       if (!features_[i].anomalous() || features_[i].in_object) continue;
-      w_.anomaly_u_px.push_back(w_.tracks[i].current.u_px);
-      w_.anomaly_v_px.push_back(w_.tracks[i].current.v_px);
+      w_.anomalies.add(w_.tracks[i].current.u_px, w_.tracks[i].current.v_px);
     }
-    const std::size_t num_anomalies = w_.anomaly_u_px.size();
-    if (num_anomalies == 0 || options_.region_radius == 0.0) return;
-    w_.anomaly_u_px.resize(num_anomalies + kLanes);
-    w_.anomaly_v_px.resize(num_anomalies + kLanes);
-    const PointAxes<float, 2> anomalies = {w_.anomaly_u_px.data(), w_.anomaly_v_px.data()};
+    if (w_.anomalies.size() == 0 || options_.region_radius == 0.0) return;
     const auto radius_px = float(options_.region_radius * camera_.width_px);
-    std::uint64_t num_comparisons = 0;
     for (std::size_t i = 0; i < w_.tracks.size(); ++i) {
       const FlowPoint& point = w_.tracks[i].current;
-      const PointAxes<float, 2> query = {&point.u_px, &point.v_px};
-      const NearTest<float, 2> test(query, 0, radius_px * radius_px);
-      features_[i].near_anomaly =
-          !features_[i].anomalous() && !features_[i].in_object &&
-          count_neighbors(test, anomalies, 0, num_anomalies, 1, num_comparisons) > 0;
+      features_[i].near_anomaly = !features_[i].anomalous() && !features_[i].in_object &&
+                                  w_.anomalies.any_near(point.u_px, point.v_px, radius_px);
     }
   }
 
