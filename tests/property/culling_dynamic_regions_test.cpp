@@ -180,8 +180,8 @@ TEST(DynamicRegionsProperty, MotionAlongEpipolarLinesIsSeenByFlowOnly) {
     std::vector<std::size_t> movers;
     for (std::size_t i = 0; i < tracks.size() && movers.size() < tracks.size() / 8; ++i) {
       FlowTrack& track = tracks[i];
-      Eigen::Vector3d point_m;
-      Eigen::Vector2d pixel;
+      Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+      Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
       ASSERT_TRUE(scene.camera.unproject(
           {double(track.reference.u_px), double(track.reference.v_px)},
           double(track.reference.depth_m) * rng.uniform(0.3, 0.45), &point_m));

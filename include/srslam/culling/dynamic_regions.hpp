@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,7 +47,8 @@ struct DynamicRegionOptions {
   double epipolar_px = 1.0;         ///< Sampson distance of an anomaly, at the reference width; > 0
   double min_median_flow_px = 1.0;  ///< less image motion: the camera hardly moves; >= 0
   /// Tracks that one affine flow does not explain within epipolar_px: fewer and there is no
-  /// parallax, so that any geometry does. Share of the tracks outside boxes, [0, 1]
+  /// parallax, so that any geometry does. Where the camera's motion is a pose, only its translation
+  /// counts. Share of the tracks outside boxes, [0, 1]
   double min_parallax_share = 0.1;
 
   bool use_depth = false;     ///< measured against predicted depth: finds movers without a class
@@ -174,7 +176,8 @@ struct DynamicRegionInput {
 /// Buffers of find_dynamic_regions(), kept by the caller so that a steady stream allocates nothing.
 struct DynamicRegionWorkspace {
   std::vector<FlowTrack> tracks;  ///< those of the input, suspect by this component's options
-  DominantMotionWorkspace motion, affine;
+  DominantMotionWorkspace motion;
+  DominantMotionWorkspace affine;  ///< of the search for parallax
   FundamentalWorkspace fundamental;
   std::vector<PixelPair> pairs, background_pairs;
   std::vector<std::uint32_t> pair_track;
@@ -383,21 +386,78 @@ class RegionFinder {
     return median_of(w_.values);
   }
 
-  /// Share of the tracks outside objects that the dominant affine flow does not explain.
+  /// Share of the tracks outside objects that one affine flow does not explain.
   double find_parallax_share() {
+    if (result_.motion.status.ok()) {
+      if (result_.motion.model == FlowModel::kAffine) {
+        return share_apart_from(result_.motion.affine, w_.motion);
+      }
+      AffineFlow affine = AffineFlow::Identity();
+      return fit_translational_flow(&affine) ? share_apart_from(affine, w_.affine) : 0.0;
+    }
+    if (input_.T_current_previous == nullptr) return 0.0;  // no flow was found
     const DominantMotionResult affine =
         dominant_affine_motion(w_.tracks, camera_.width_px, nullptr, options_.motion, &w_.affine);
-    if (!affine.status.ok()) return 0.0;
-    const AffineModel model;
+    return affine.status.ok() ? share_apart_from(affine.affine, w_.affine) : 0.0;
+  }
+
+  /// The affine flow nearest to what the camera's translation alone makes of the tracks outside
+  /// objects: a turn moves the image otherwise than affinely, but is no parallax. False when that
+  /// is too little to matter or determines no flow. The tracks are left in the workspace.
+  bool fit_translational_flow(AffineFlow* affine) {
+    const RigidModel model(camera_);
+    const Pose& T_current_reference = result_.motion.T_current_reference;
+    Pose turn = T_current_reference;
+    turn.translation().setZero();
+    const double limit_px = options_.epipolar_px * px_scale_;
+    double longest_px2 = 0.0;
+    clear_tracks(w_.motion.track.size(), &w_.affine);
+    Eigen::Vector2d turned_px;
+    Eigen::Vector2d moved_px;
+    for (std::size_t k = 0; k < w_.motion.track.size(); ++k) {
+      if (features_[std::size_t(w_.motion.track[k])].in_object ||
+          !model.predict(turn, w_.motion, k, &turned_px) ||
+          !model.predict(T_current_reference, w_.motion, k, &moved_px)) {
+        continue;
+      }
+      w_.affine.track.push_back(w_.motion.track[k]);
+      w_.affine.x.push_back(float(turned_px.x()));
+      w_.affine.y.push_back(float(turned_px.y()));
+      w_.affine.u_px.push_back(float(moved_px.x()));
+      w_.affine.v_px.push_back(float(moved_px.y()));
+      longest_px2 = std::max(longest_px2, (moved_px - turned_px).squaredNorm());
+    }
+    if (!(longest_px2 > limit_px * limit_px)) return false;
+    activate_all(&w_.affine);
+    // From the flow of all tracks to that of most: what is far from it pulls less and less.
+    double step_norm = 0.0;
+    double limit_px2 = std::numeric_limits<double>::infinity();
+    const auto weight = [&](double squared_px2) {
+      const double rest = std::max(0.0, 1.0 - squared_px2 / limit_px2);
+      return rest * rest;
+    };
+    constexpr int kReweightings = 3;
+    for (int i = 0; i <= kReweightings; ++i) {
+      if (!AffineModel{}.step(w_.affine, w_.affine.active, weight, affine, &step_norm)) {
+        return i > 0;
+      }
+      limit_px2 = result_.motion.inlier_limit_px * result_.motion.inlier_limit_px;
+    }
+    return true;
+  }
+
+  /// Share of tracks outside objects that are further than an epipolar anomaly from an affine flow.
+  double share_apart_from(const AffineFlow& affine, const DominantMotionWorkspace& tracks) const {
+    const double limit_px = options_.epipolar_px * px_scale_;
     std::size_t num_background = 0;
     std::size_t num_apart = 0;
     Eigen::Vector2d predicted_px;
-    for (std::size_t k = 0; k < w_.affine.track.size(); ++k) {
-      if (features_[std::size_t(w_.affine.track[k])].in_object) continue;
+    for (std::size_t k = 0; k < tracks.track.size(); ++k) {
+      if (features_[std::size_t(tracks.track[k])].in_object) continue;
       ++num_background;
-      model.predict(affine.affine, w_.affine, k, &predicted_px);
-      const Eigen::Vector2d observed_px(double(w_.affine.u_px[k]), double(w_.affine.v_px[k]));
-      if ((observed_px - predicted_px).norm() > options_.epipolar_px * px_scale_) ++num_apart;
+      AffineModel{}.predict(affine, tracks, k, &predicted_px);
+      const Eigen::Vector2d observed_px(double(tracks.u_px[k]), double(tracks.v_px[k]));
+      num_apart += (observed_px - predicted_px).squaredNorm() > limit_px * limit_px ? 1U : 0U;
     }
     return num_background > 0 ? double(num_apart) / double(num_background) : 0.0;
   }
