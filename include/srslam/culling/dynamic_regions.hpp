@@ -360,15 +360,28 @@ class RegionFinder {
     w_.pairs.clear();
     w_.background_pairs.clear();
     w_.pair_track.clear();
+    // Taking distortion off is most of the work, and has been done for tracks with depth.
+    const DominantMotionWorkspace& rigid = w_.motion;
+    const std::size_t num_rigid =
+        result_.motion.status.ok() && result_.motion.model == FlowModel::kRigid ? rigid.track.size()
+                                                                                : 0;
+    std::size_t k = 0;
     Eigen::Vector2d reference;
     Eigen::Vector2d current;
     for (std::size_t i = 0; i < w_.tracks.size(); ++i) {
       const FlowTrack& track = w_.tracks[i];
-      if (!track.alive ||
-          !camera_.undistort_pixel({double(track.reference.u_px), double(track.reference.v_px)},
-                                   &reference) ||
-          !camera_.undistort_pixel({double(track.current.u_px), double(track.current.v_px)},
-                                   &current)) {
+      if (k < num_rigid && std::size_t(rigid.track[k]) == i) {
+        const double inverse = 1.0 / double(rigid.z[k]);
+        reference = {camera_.fx_px * double(rigid.x[k]) * inverse + camera_.cx_px,
+                     camera_.fy_px * double(rigid.y[k]) * inverse + camera_.cy_px};
+        current = {double(rigid.u_px[k]), double(rigid.v_px[k])};
+        ++k;
+        if (!reference.allFinite()) continue;  // so deep that no float holds the point
+      } else if (!track.alive ||
+                 !camera_.undistort_pixel(
+                     {double(track.reference.u_px), double(track.reference.v_px)}, &reference) ||
+                 !camera_.undistort_pixel({double(track.current.u_px), double(track.current.v_px)},
+                                          &current)) {
         continue;
       }
       w_.pairs.push_back({reference.x(), reference.y(), current.x(), current.y()});
