@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "srslam/culling/dynamic_culling.hpp"
 #include "srslam/culling/dynamic_regions.hpp"
@@ -219,8 +220,10 @@ TEST(DynamicRegionsProperty, MotionAcrossEpipolarLinesIsSeenByThem) {
         others.push_back(i);
         continue;
       }
-      const Eigen::Vector3d line =
-          F * Eigen::Vector3d(double(track.reference.u_px), double(track.reference.v_px), 1.0);
+      Eigen::Vector2d undistorted = Eigen::Vector2d::Zero();
+      ASSERT_TRUE(scene.camera.undistort_pixel(
+          {double(track.reference.u_px), double(track.reference.v_px)}, &undistorted));
+      const Eigen::Vector3d line = F * undistorted.homogeneous();
       const Eigen::Vector2d step_px =
           line.head<2>().normalized() * (rng.coin() ? 1.0 : -1.0) * rng.uniform(3.0, 15.0);
       track.current.u_px += float(step_px.x() * px_scale);

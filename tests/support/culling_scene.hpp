@@ -33,6 +33,11 @@ inline PinholeCamera random_flow_camera(Rng& rng) {
   camera.fy_px = camera.fx_px * rng.uniform(0.97, 1.03);
   camera.cx_px += camera.width_px * rng.uniform(-0.03, 0.03);
   camera.cy_px += camera.height_px * rng.uniform(-0.03, 0.03);
+  if (rng.coin()) {
+    camera.k1 = rng.uniform(-0.06, 0.06);
+    camera.k2 = rng.uniform(-0.05, 0.05);
+    camera.p1 = rng.uniform(-0.001, 0.001);
+  }
   return camera;
 }
 
