@@ -28,6 +28,7 @@
 #include "srslam/culling/dynamic_culling.hpp"
 #include "srslam/culling/dynamic_regions.hpp"
 #include "srslam/culling/epipolar_geometry.hpp"
+#include "srslam/culling/near_points.hpp"
 #include "srslam/culling/removal_baselines.hpp"
 #include "srslam/evaluation/association.hpp"
 #include "srslam/evaluation/error_statistics.hpp"

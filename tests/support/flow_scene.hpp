@@ -41,6 +41,7 @@ struct FlowScene {
   Pose T_mover = flow_pose(-0.25, 0.0, 0.05, 0.0, 0.0, 0.0);
   double detected_share = 1.0;  ///< of the mover's points that lie in its box
   double noise_px = 0.2;        ///< uniform, in each direction
+  double depth_noise = 0.0;     ///< normal, in sigmas of a structured-light camera (Nguyen 2012)
   std::uint64_t seed = 1;
 
   std::vector<FlowTrack> tracks() const {
@@ -66,6 +67,13 @@ struct FlowScene {
       track.current.u_px = float(pixel.x() + rng.uniform(-noise_px, noise_px));
       track.current.v_px = float(pixel.y() + rng.uniform(-noise_px, noise_px));
       track.current.depth_m = float(point_m.z());
+      if (depth_noise > 0.0) {
+        for (FlowPoint* point : {&track.reference, &track.current}) {
+          const double beyond_m = double(point->depth_m) - 0.4;
+          point->depth_m +=
+              float(depth_noise * (0.0012 + 0.0019 * beyond_m * beyond_m) * rng.normal());
+        }
+      }
       track.current.suspect = track.reference.suspect;
       track.alive = camera.in_image(pixel);
       tracks.push_back(track);

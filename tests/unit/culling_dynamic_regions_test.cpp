@@ -177,6 +177,48 @@ TEST(DynamicRegions, EpipolarGeometryIsLeftOutWhereItMeansNothing) {
   EXPECT_EQ(skipped(scene, options), SkippedTest::kNoGeometry);
 }
 
+TEST(DynamicRegions, ParallaxIsWhatTheCamerasTranslationMakes) {
+  const auto seen_from = [](const Pose& T_current_reference, bool is_wall,
+                            const DynamicRegionOptions& options = {}) {
+    FlowScene scene;
+    std::vector<FlowTrack> tracks = scene.tracks();
+    for (FlowTrack& track : tracks) {
+      if (is_wall) track.reference.depth_m = 2.5F;
+      Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+      Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+      EXPECT_TRUE(
+          scene.camera.unproject({double(track.reference.u_px), double(track.reference.v_px)},
+                                 double(track.reference.depth_m), &point_m));
+      track.alive = scene.camera.project(T_current_reference * point_m, &pixel);
+      track.current.u_px = float(pixel.x());
+      track.current.v_px = float(pixel.y());
+    }
+    return regions_of(scene, tracks, options).result;
+  };
+  const Pose sideways = flow_pose(0.08, 0.02, 0.0, 0.0, 0.0, 0.0);
+  const DynamicRegionsResult room = seen_from(sideways, false);
+  EXPECT_EQ(room.epipolar, SkippedTest::kNotSkipped);
+  EXPECT_GT(room.parallax_share, 0.6);
+  EXPECT_LT(room.parallax_share, 0.95);
+  const DynamicRegionsResult wall = seen_from(sideways, true);
+  EXPECT_EQ(wall.epipolar, SkippedTest::kNoParallax);
+  EXPECT_EQ(wall.parallax_share, 0.0);
+  // A turn is no affine flow, yet no parallax either, however fast.
+  for (const double turn_rad : {0.01, 0.05, 0.15}) {
+    const Pose turned = flow_pose(0.0, 0.0, 0.0, 0.3 * turn_rad, turn_rad, -0.5 * turn_rad);
+    const DynamicRegionsResult result = seen_from(turned, false);
+    EXPECT_EQ(result.epipolar, SkippedTest::kNoParallax) << turn_rad;
+    EXPECT_EQ(result.parallax_share, 0.0) << turn_rad;
+    const Pose both = sideways * turned;
+    EXPECT_NEAR(seen_from(both, false).parallax_share, room.parallax_share, 0.05);
+  }
+  // Without depth the flow has to tell, and a turn is not told from a translation.
+  DynamicRegionOptions options;
+  options.flow_model = FlowModel::kAffine;
+  EXPECT_NEAR(seen_from(sideways, false, options).parallax_share, room.parallax_share, 0.1);
+  EXPECT_EQ(seen_from(sideways, true, options).parallax_share, 0.0);
+}
+
 TEST(DynamicRegions, TakeMotionAndGeometryFromElsewhere) {
   FlowScene scene;
   scene.mover_share = 0.7;

@@ -208,8 +208,8 @@ inline std::array<float, 2> image_unit(ClusterSpace space, const PinholeCamera& 
 /// kNoiseLabel; clusters are numbered group by group. Lens distortion is not removed.
 ///
 /// Cost without search: n²/N comparisons for N groups of the same size; up to n² when one group
-/// holds nearly all. Fails with kInvalidArgument (options, camera, reliability that is no number,
-/// size of labels); labels are then untouched.
+/// holds nearly all; up to twice that in groups of more than 512. Fails with kInvalidArgument
+/// (options, camera, reliability that is no number, size of labels); labels are then untouched.
 inline AdaptiveDbscanResult adaptive_dbscan(ArrayView<const FlowPoint> points,
                                             ArrayView<const float> potential_depth_m,
                                             const PinholeCamera& camera,

@@ -12,6 +12,7 @@
 #include "srslam/core/status.hpp"
 #include "srslam/culling/adaptive_dbscan.hpp"
 #include "srslam/culling/dynamic_regions.hpp"
+#include "srslam/culling/near_points.hpp"
 #include "srslam/scene/flow_track.hpp"
 
 namespace srslam {
@@ -129,7 +130,8 @@ struct DynamicCullingWorkspace {
   std::vector<std::uint8_t> is_dynamic;  ///< of each cluster
   std::vector<int> num_anomalous, num_members;
   std::vector<float> potential_depth_m;
-  std::vector<float> core_u, core_v, core_depth_m;
+  NearPoints core;  ///< core points of dynamic clusters
+  std::vector<float> core_depth_m;
 };
 
 namespace detail {
@@ -160,6 +162,9 @@ class RefinedCulling {
       return;
     }
     find_dynamic_clusters();
+    for (std::size_t i = 0; i < points_.size; ++i) {
+      if (features_[i].potential()) verdicts_[i] = CullingVerdict::kKept;
+    }
     remove_clusters();
     remove_neighbors();
   }
@@ -203,8 +208,7 @@ class RefinedCulling {
   }
 
   void remove_clusters() {
-    w_.core_u.clear();
-    w_.core_v.clear();
+    w_.core.clear();
     w_.core_depth_m.clear();
     unit_ =
         image_unit(options_.clustering.space == ClusterSpace::kMetric ? ClusterSpace::kImageWidth
@@ -215,19 +219,14 @@ class RefinedCulling {
       verdicts_[w_.index[k]] = CullingVerdict::kInCluster;
       ++result_.num_removed_in_clusters;
       if (w_.dbscan.kinds[k] != PointKind::kCore) continue;
-      w_.core_u.push_back(w_.points[k].u_px * unit_[0]);
-      w_.core_v.push_back(w_.points[k].v_px * unit_[1]);
+      w_.core.add(w_.points[k].u_px * unit_[0], w_.points[k].v_px * unit_[1]);
       w_.core_depth_m.push_back(w_.points[k].depth_m);
     }
   }
 
   /// The final dynamic regions: what is potential, within eps of a core point and of its depth.
   void remove_neighbors() {
-    const std::size_t num_core = w_.core_u.size();
-    if (num_core == 0) return;
-    w_.core_u.resize(num_core + kLanes);
-    w_.core_v.resize(num_core + kLanes);
-    const PointAxes<float, 2> core = {w_.core_u.data(), w_.core_v.data()};
+    if (w_.core.size() == 0) return;
     // Metric eps is no distance in the image: there the base value in image widths bounds the
     // region.
     const auto eps = float(options_.clustering.space == ClusterSpace::kMetric
@@ -235,14 +234,12 @@ class RefinedCulling {
                                : result_.clusters.eps);
     for (std::size_t i = 0; i < points_.size; ++i) {
       if (!features_[i].potential() || is_removed(verdicts_[i])) continue;
-      const float u = points_[i].u_px * unit_[0];
-      const float v = points_[i].v_px * unit_[1];
-      const PointAxes<float, 2> query = {&u, &v};
-      std::uint64_t num_comparisons = 0;
-      const bool found_none = visit_neighbors(
-          NearTest<float, 2>(query, 0, eps * eps), core, 0, num_core, num_comparisons,
-          [&](std::size_t k) { return !same_depth(points_[i].depth_m, w_.core_depth_m[k]); });
-      if (found_none) continue;
+      const FlowPoint& point = points_[i];
+      if (!w_.core.any_near(point.u_px * unit_[0], point.v_px * unit_[1], eps, [&](std::size_t k) {
+            return same_depth(point.depth_m, w_.core_depth_m[k]);
+          })) {
+        continue;
+      }
       verdicts_[i] = CullingVerdict::kNearCluster;
       ++result_.num_removed_near_clusters;
     }
@@ -295,12 +292,9 @@ inline DynamicCullingResult cull_dynamic_features(
   if (!frame.initializing && !(frame.residual_px >= 0.0)) {
     return fail("the motion residual must be a number and not negative");
   }
-  int num_potential = 0;
-  for (std::size_t i = 0; i < features.size; ++i) {
-    if (!features[i].potential()) continue;
-    verdicts[i] = CullingVerdict::kKept;
-    ++num_potential;
-  }
+  const auto num_potential =
+      int(std::count_if(features.begin(), features.end(),
+                        [](const FeatureSuspicion& feature) { return feature.potential(); }));
   if (num_potential == 0) return result;
 
   const double limit_px = options.residual == BranchResidual::kRaw ? options.high_motion_raw_px
@@ -324,10 +318,7 @@ inline DynamicCullingResult cull_dynamic_features(
   }
   detail::RefinedCulling(points, features, camera, frame, options, workspace, verdicts, result)
       .run();
-  if (!result.status.ok()) {
-    std::fill(verdicts.begin(), verdicts.end(), CullingVerdict::kStatic);
-    return result;
-  }
+  if (!result.status.ok()) return result;
   result.num_removed = result.num_removed_in_clusters + result.num_removed_near_clusters;
   result.num_kept_potential = num_potential - result.num_removed;
   return result;

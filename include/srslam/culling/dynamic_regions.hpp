@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,8 +18,8 @@
 #include "srslam/core/image_view.hpp"
 #include "srslam/core/pose.hpp"
 #include "srslam/core/status.hpp"
-#include "srslam/culling/dbscan_lanes.hpp"
 #include "srslam/culling/epipolar_geometry.hpp"
+#include "srslam/culling/near_points.hpp"
 #include "srslam/scene/classification.hpp"
 #include "srslam/scene/dominant_motion.hpp"
 #include "srslam/scene/flow_track.hpp"
@@ -46,7 +47,8 @@ struct DynamicRegionOptions {
   double epipolar_px = 1.0;         ///< Sampson distance of an anomaly, at the reference width; > 0
   double min_median_flow_px = 1.0;  ///< less image motion: the camera hardly moves; >= 0
   /// Tracks that one affine flow does not explain within epipolar_px: fewer and there is no
-  /// parallax, so that any geometry does. Share of the tracks outside boxes, [0, 1]
+  /// parallax, so that any geometry does. Where the camera's motion is a pose, only its translation
+  /// counts. Share of the tracks outside boxes, [0, 1]
   double min_parallax_share = 0.1;
 
   bool use_depth = false;     ///< measured against predicted depth: finds movers without a class
@@ -185,12 +187,13 @@ struct DynamicRegionInput {
 /// Buffers of find_dynamic_regions(), kept by the caller so that a steady stream allocates nothing.
 struct DynamicRegionWorkspace {
   std::vector<FlowTrack> tracks;  ///< those of the input, suspect by this component's options
-  DominantMotionWorkspace motion, affine;
+  DominantMotionWorkspace motion;
+  DominantMotionWorkspace affine;  ///< of the search for parallax
   FundamentalWorkspace fundamental;
   std::vector<PixelPair> pairs, background_pairs;
   std::vector<std::uint32_t> pair_track;
   std::vector<float> values;
-  std::vector<float> anomaly_u_px, anomaly_v_px;
+  NearPoints anomalies;  ///< outside objects
 };
 
 namespace detail {
@@ -372,15 +375,28 @@ class RegionFinder {
     w_.pairs.clear();
     w_.background_pairs.clear();
     w_.pair_track.clear();
+    // Taking distortion off is most of the work, and has been done for tracks with depth.
+    const DominantMotionWorkspace& rigid = w_.motion;
+    const std::size_t num_rigid =
+        result_.motion.status.ok() && result_.motion.model == FlowModel::kRigid ? rigid.track.size()
+                                                                                : 0;
+    std::size_t k = 0;
     Eigen::Vector2d reference;
     Eigen::Vector2d current;
     for (std::size_t i = 0; i < w_.tracks.size(); ++i) {
       const FlowTrack& track = w_.tracks[i];
-      if (!track.alive ||
-          !camera_.undistort_pixel({double(track.reference.u_px), double(track.reference.v_px)},
-                                   &reference) ||
-          !camera_.undistort_pixel({double(track.current.u_px), double(track.current.v_px)},
-                                   &current)) {
+      if (k < num_rigid && std::size_t(rigid.track[k]) == i) {
+        const double inverse = 1.0 / double(rigid.z[k]);
+        reference = {camera_.fx_px * double(rigid.x[k]) * inverse + camera_.cx_px,
+                     camera_.fy_px * double(rigid.y[k]) * inverse + camera_.cy_px};
+        current = {double(rigid.u_px[k]), double(rigid.v_px[k])};
+        ++k;
+        if (!reference.allFinite()) continue;  // so deep that no float holds the point
+      } else if (!track.alive ||
+                 !camera_.undistort_pixel(
+                     {double(track.reference.u_px), double(track.reference.v_px)}, &reference) ||
+                 !camera_.undistort_pixel({double(track.current.u_px), double(track.current.v_px)},
+                                          &current)) {
         continue;
       }
       w_.pairs.push_back({reference.x(), reference.y(), current.x(), current.y()});
@@ -398,21 +414,78 @@ class RegionFinder {
     return median_of(w_.values);
   }
 
-  /// Share of the tracks outside objects that the dominant affine flow does not explain.
+  /// Share of the tracks outside objects that one affine flow does not explain.
   double find_parallax_share() {
+    if (result_.motion.status.ok()) {
+      if (result_.motion.model == FlowModel::kAffine) {
+        return share_apart_from(result_.motion.affine, w_.motion);
+      }
+      AffineFlow affine = AffineFlow::Identity();
+      return fit_translational_flow(&affine) ? share_apart_from(affine, w_.affine) : 0.0;
+    }
+    if (input_.T_current_previous == nullptr) return 0.0;  // no flow was found
     const DominantMotionResult affine =
         dominant_affine_motion(w_.tracks, camera_.width_px, nullptr, options_.motion, &w_.affine);
-    if (!affine.status.ok()) return 0.0;
-    const AffineModel model;
+    return affine.status.ok() ? share_apart_from(affine.affine, w_.affine) : 0.0;
+  }
+
+  /// The affine flow nearest to what the camera's translation alone makes of the tracks outside
+  /// objects: a turn moves the image otherwise than affinely, but is no parallax. False when that
+  /// is too little to matter or determines no flow. The tracks are left in the workspace.
+  bool fit_translational_flow(AffineFlow* affine) {
+    const RigidModel model(camera_);
+    const Pose& T_current_reference = result_.motion.T_current_reference;
+    Pose turn = T_current_reference;
+    turn.translation().setZero();
+    const double limit_px = options_.epipolar_px * px_scale_;
+    double longest_px2 = 0.0;
+    clear_tracks(w_.motion.track.size(), &w_.affine);
+    Eigen::Vector2d turned_px;
+    Eigen::Vector2d moved_px;
+    for (std::size_t k = 0; k < w_.motion.track.size(); ++k) {
+      if (features_[std::size_t(w_.motion.track[k])].in_object ||
+          !model.predict(turn, w_.motion, k, &turned_px) ||
+          !model.predict(T_current_reference, w_.motion, k, &moved_px)) {
+        continue;
+      }
+      w_.affine.track.push_back(w_.motion.track[k]);
+      w_.affine.x.push_back(float(turned_px.x()));
+      w_.affine.y.push_back(float(turned_px.y()));
+      w_.affine.u_px.push_back(float(moved_px.x()));
+      w_.affine.v_px.push_back(float(moved_px.y()));
+      longest_px2 = std::max(longest_px2, (moved_px - turned_px).squaredNorm());
+    }
+    if (!(longest_px2 > limit_px * limit_px)) return false;
+    activate_all(&w_.affine);
+    // From the flow of all tracks to that of most: what is far from it pulls less and less.
+    double step_norm = 0.0;
+    double limit_px2 = std::numeric_limits<double>::infinity();
+    const auto weight = [&](double squared_px2) {
+      const double rest = std::max(0.0, 1.0 - squared_px2 / limit_px2);
+      return rest * rest;
+    };
+    constexpr int kReweightings = 3;
+    for (int i = 0; i <= kReweightings; ++i) {
+      if (!AffineModel{}.step(w_.affine, w_.affine.active, weight, affine, &step_norm)) {
+        return i > 0;
+      }
+      limit_px2 = result_.motion.inlier_limit_px * result_.motion.inlier_limit_px;
+    }
+    return true;
+  }
+
+  /// Share of tracks outside objects that are further than an epipolar anomaly from an affine flow.
+  double share_apart_from(const AffineFlow& affine, const DominantMotionWorkspace& tracks) const {
+    const double limit_px = options_.epipolar_px * px_scale_;
     std::size_t num_background = 0;
     std::size_t num_apart = 0;
     Eigen::Vector2d predicted_px;
-    for (std::size_t k = 0; k < w_.affine.track.size(); ++k) {
-      if (features_[std::size_t(w_.affine.track[k])].in_object) continue;
+    for (std::size_t k = 0; k < tracks.track.size(); ++k) {
+      if (features_[std::size_t(tracks.track[k])].in_object) continue;
       ++num_background;
-      model.predict(affine.affine, w_.affine, k, &predicted_px);
-      const Eigen::Vector2d observed_px(double(w_.affine.u_px[k]), double(w_.affine.v_px[k]));
-      if ((observed_px - predicted_px).norm() > options_.epipolar_px * px_scale_) ++num_apart;
+      AffineModel{}.predict(affine, tracks, k, &predicted_px);
+      const Eigen::Vector2d observed_px(double(tracks.u_px[k]), double(tracks.v_px[k]));
+      num_apart += (observed_px - predicted_px).squaredNorm() > limit_px * limit_px ? 1U : 0U;
     }
     return num_background > 0 ? double(num_apart) / double(num_background) : 0.0;
   }
@@ -448,27 +521,17 @@ class RegionFinder {
 
   /// Regions around anomalies that no object explains.
   void mark_neighborhoods() {
-    w_.anomaly_u_px.clear();
-    w_.anomaly_v_px.clear();
+    w_.anomalies.clear();
     for (std::size_t i = 0; i < w_.tracks.size(); ++i) {
       if (!features_[i].anomalous() || features_[i].in_object) continue;
-      w_.anomaly_u_px.push_back(w_.tracks[i].current.u_px);
-      w_.anomaly_v_px.push_back(w_.tracks[i].current.v_px);
+      w_.anomalies.add(w_.tracks[i].current.u_px, w_.tracks[i].current.v_px);
     }
-    const std::size_t num_anomalies = w_.anomaly_u_px.size();
-    if (num_anomalies == 0 || options_.region_radius == 0.0) return;
-    w_.anomaly_u_px.resize(num_anomalies + kLanes);
-    w_.anomaly_v_px.resize(num_anomalies + kLanes);
-    const PointAxes<float, 2> anomalies = {w_.anomaly_u_px.data(), w_.anomaly_v_px.data()};
+    if (w_.anomalies.size() == 0 || options_.region_radius == 0.0) return;
     const auto radius_px = float(options_.region_radius * camera_.width_px);
-    std::uint64_t num_comparisons = 0;
     for (std::size_t i = 0; i < w_.tracks.size(); ++i) {
       const FlowPoint& point = w_.tracks[i].current;
-      const PointAxes<float, 2> query = {&point.u_px, &point.v_px};
-      const NearTest<float, 2> test(query, 0, radius_px * radius_px);
-      features_[i].near_anomaly =
-          !features_[i].anomalous() && !features_[i].in_object &&
-          count_neighbors(test, anomalies, 0, num_anomalies, 1, num_comparisons) > 0;
+      features_[i].near_anomaly = !features_[i].anomalous() && !features_[i].in_object &&
+                                  w_.anomalies.any_near(point.u_px, point.v_px, radius_px);
     }
   }
 

@@ -16,6 +16,7 @@
 #include "srslam/culling/dbscan.hpp"
 #include "srslam/culling/depth_groups.hpp"
 #include "srslam/culling/dynamic_regions.hpp"
+#include "srslam/culling/near_points.hpp"
 #include "srslam/scene/flow_track.hpp"
 
 namespace srslam {
@@ -82,6 +83,7 @@ struct RemovalBaselineWorkspace {
   std::vector<float> depth_m, depth_scratch_m;
   std::vector<std::array<float, 2>> hull;
   DbscanWorkspace<float> dbscan;
+  NearPoints core;  ///< core points of its clusters
 };
 
 namespace detail {
@@ -208,14 +210,16 @@ class BaselineRemoval {
     options.min_points = options_.min_points;
     const DbscanResult clusters = dbscan(w_.image_points, options, w_.dbscan, w_.labels);
     if (!clusters.status.ok()) return clusters.status;
-    const auto eps_squared = float(options_.eps * options_.eps);
+    w_.core.clear();
     for (std::size_t k = 0; k < w_.index.size(); ++k) {
       if (w_.labels[k] != kNoiseLabel) removed_[w_.index[k]] = 1;
       if (w_.dbscan.kinds[k] != PointKind::kCore) continue;
-      for (std::size_t i = 0; i < points_.size; ++i) {
-        const float du = points_[i].u_px * unit_ - w_.image_points[k][0];
-        const float dv = points_[i].v_px * unit_ - w_.image_points[k][1];
-        if (features_[i].potential() && du * du + dv * dv <= eps_squared) removed_[i] = 1;
+      w_.core.add(w_.image_points[k][0], w_.image_points[k][1]);
+    }
+    for (std::size_t i = 0; i < points_.size; ++i) {
+      if (!features_[i].potential() || removed_[i] != 0) continue;
+      if (w_.core.any_near(points_[i].u_px * unit_, points_[i].v_px * unit_, float(options_.eps))) {
+        removed_[i] = 1;
       }
     }
     return Status::success();
