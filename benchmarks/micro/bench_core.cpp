@@ -12,6 +12,7 @@
 #include "srslam/core/camera.hpp"
 #include "srslam/core/feature.hpp"
 #include "srslam/core/grid.hpp"
+#include "srslam/core/orthonormalized.hpp"
 #include "srslam/core/robust_cost.hpp"
 #include "srslam/core/se3.hpp"
 

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "srslam/core/orthonormalized.hpp"
 #include "srslam/core/robust_cost.hpp"
 #include "srslam/core/se3.hpp"
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "srslam/core/conventions.hpp"
+#include "srslam/core/orthonormalized.hpp"
 #include "srslam/core/se3.hpp"
 #include "support/constants.hpp"
 #include "support/numeric_jacobian.hpp"

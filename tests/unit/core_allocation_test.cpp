@@ -6,6 +6,7 @@
 
 #include "srslam/core/conventions.hpp"
 #include "srslam/core/feature.hpp"
+#include "srslam/core/orthonormalized.hpp"
 #include "srslam/core/robust_cost.hpp"
 #include "srslam/core/se3.hpp"
 #include "support/allocation_counter.hpp"

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "srslam/core/orthonormalized.hpp"
 #include "support/constants.hpp"
 #include "support/numeric_jacobian.hpp"
 

@@ -290,8 +290,7 @@ TEST(DominantMotion, StepIsTheGradientsByDifferences) {
     off[axis] = 1e-4;
     Pose pose = se3_exp(off) * scene.T_current_reference;
     double step_norm = 0.0;
-    ASSERT_TRUE(model.step(
-        workspace, workspace.active, [](double) { return 1.0; }, &pose, &step_norm));
+    ASSERT_TRUE(model.step(workspace, workspace.active, detail::kNoLimit_px2, &pose, &step_norm));
     EXPECT_NEAR(step_norm, 1e-4, 2e-6) << axis;
     EXPECT_LT(pose_distance(pose, scene.T_current_reference), 3e-6) << axis;
   }

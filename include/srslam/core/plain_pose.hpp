@@ -3,8 +3,8 @@
 #include <array>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
-#include "srslam/core/conventions.hpp"
 #include "srslam/core/pose.hpp"
 #include "srslam/core/se3.hpp"
 
@@ -18,13 +18,15 @@ struct PlainPose {
   PlainPose() = default;
   /// Of a pose whose rotation may have drifted a little from being one.
   explicit PlainPose(const Pose& pose) noexcept
-      : translation_m{pose.translation().x(), pose.translation().y(), pose.translation().z()},
-        rotation_xyzw(quaternion_to_xyzw(unit_quaternion(pose.linear()))) {}
+      : translation_m{pose.translation().x(), pose.translation().y(), pose.translation().z()} {
+    const Eigen::Quaterniond q = unit_quaternion(pose.linear());
+    rotation_xyzw = {q.x(), q.y(), q.z(), q.w()};
+  }
 
   Pose pose() const noexcept {
     Pose result = Pose::Identity();
     result.translation() = Eigen::Vector3d(translation_m[0], translation_m[1], translation_m[2]);
-    result.linear() = quaternion_from_xyzw(rotation_xyzw).toRotationMatrix();
+    result.linear() = Eigen::Quaterniond(rotation_xyzw.data()).toRotationMatrix();
     return result;
   }
 };

@@ -6,8 +6,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include "srslam/core/pose.hpp"
 #include "srslam/core/status.hpp"
@@ -37,12 +35,20 @@ constexpr double polynomial(const double (&coefficients)[N], double x) noexcept 
 }
 
 /// Euclidean norm that neither underflows nor overflows where the result is representable.
-inline double safe_norm(const Eigen::Vector3d& v) noexcept {
-  const double squared = v.squaredNorm();
-  // stableNorm() looks for the largest element, and Eigen leaves open what that makes of a NaN.
-  if (std::isnan(squared)) return squared;
-  return (squared > 1e-200 && squared < 1e200) ? std::sqrt(squared) : v.stableNorm();
+inline double safe_norm(const double* v, int size) noexcept {
+  double squared = 0.0;
+  double largest = 0.0;
+  for (int i = 0; i < size; ++i) {
+    squared += v[i] * v[i];
+    largest = std::abs(v[i]) > largest ? std::abs(v[i]) : largest;
+  }
+  if (std::isnan(squared) || std::isinf(largest) || largest == 0.0) return squared;
+  if (squared > 1e-200 && squared < 1e200) return std::sqrt(squared);
+  squared = 0.0;
+  for (int i = 0; i < size; ++i) squared += (v[i] / largest) * (v[i] / largest);
+  return largest * std::sqrt(squared);
 }
+inline double safe_norm(const Eigen::Vector3d& v) noexcept { return safe_norm(v.data(), 3); }
 
 /// (1 - cos a) / a².
 inline double one_minus_cos_over_a2(double a) noexcept {
@@ -125,6 +131,29 @@ inline Eigen::Matrix3d hat(const Eigen::Vector3d& v) {
   return m;
 }
 
+namespace detail {
+
+/// 1 + a hat(v) + b hat(v)². Element by element: products of matrices that are half zeros would
+/// take longer, to compile too.
+inline Eigen::Matrix3d rotation_polynomial(const Eigen::Vector3d& v, double a, double b) noexcept {
+  const double x = v.x();
+  const double y = v.y();
+  const double z = v.z();
+  Eigen::Matrix3d m;
+  m(0, 0) = 1.0 - b * (y * y + z * z);
+  m(1, 1) = 1.0 - b * (x * x + z * z);
+  m(2, 2) = 1.0 - b * (x * x + y * y);
+  m(0, 1) = b * (x * y) - a * z;
+  m(1, 0) = b * (x * y) + a * z;
+  m(0, 2) = b * (x * z) + a * y;
+  m(2, 0) = b * (x * z) - a * y;
+  m(1, 2) = b * (y * z) - a * x;
+  m(2, 1) = b * (y * z) + a * x;
+  return m;
+}
+
+}  // namespace detail
+
 /// Unit quaternion of a rotation with w >= 0. Half a turn (w = 0) has two of them; the one whose
 /// largest component is positive is returned. Precondition: `rotation` is a proper rotation up to
 /// rounding; see orthonormalized().
@@ -145,11 +174,10 @@ inline Eigen::Matrix3d so3_exp(const Eigen::Vector3d& rotation_vector_rad) {
   const double angle = detail::safe_norm(rotation_vector_rad);
   // The second-order term is below the last bit here, and dividing by the angle would be inexact
   // for subnormal numbers.
-  if (angle < 1e-100) return Eigen::Matrix3d::Identity() + hat(rotation_vector_rad);
-  const Eigen::Matrix3d axis_hat = hat(rotation_vector_rad / angle);
+  if (angle < 1e-100) return detail::rotation_polynomial(rotation_vector_rad, 1.0, 0.0);
   const double half_sin = std::sin(0.5 * angle);
-  return Eigen::Matrix3d::Identity() + std::sin(angle) * axis_hat +
-         2.0 * half_sin * half_sin * (axis_hat * axis_hat);
+  return detail::rotation_polynomial(rotation_vector_rad / angle, std::sin(angle),
+                                     2.0 * half_sin * half_sin);
 }
 
 /// Rotation vector [rad] of a rotation, angle in [0, π], accurate near both ends. At exactly half
@@ -157,40 +185,38 @@ inline Eigen::Matrix3d so3_exp(const Eigen::Vector3d& rotation_vector_rad) {
 /// returned. Precondition: `rotation` is a proper rotation up to rounding; see orthonormalized().
 inline Eigen::Vector3d so3_log(const Eigen::Matrix3d& rotation) {
   const Eigen::Quaterniond q = unit_quaternion(rotation);
-  const double half_sin = detail::safe_norm(q.vec());
-  if (half_sin < 1e-100) return 2.0 * q.vec();
-  return 2.0 * std::atan2(half_sin, q.w()) / half_sin * q.vec();
+  const Eigen::Vector3d v(q.x(), q.y(), q.z());
+  const double half_sin = detail::safe_norm(v);
+  if (half_sin < 1e-100) return 2.0 * v;
+  return 2.0 * std::atan2(half_sin, q.w()) / half_sin * v;
 }
 
 /// Angle [rad] of a rotation in [0, π], accurate for tiny angles and near π, where the arc cosine
 /// of the trace loses half of the digits. Precondition as for so3_log().
 inline double rotation_angle_rad(const Eigen::Matrix3d& rotation) {
   const Eigen::Quaterniond q = unit_quaternion(rotation);
-  return 2.0 * std::atan2(detail::safe_norm(q.vec()), q.w());
+  return 2.0 * std::atan2(detail::safe_norm(Eigen::Vector3d(q.x(), q.y(), q.z())), q.w());
 }
 
 /// Left Jacobian J of SO(3): `so3_exp(v + J^-1 d) = so3_exp(d) so3_exp(v)` to first order in d.
 inline Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& rotation_vector_rad) {
   const double angle = detail::safe_norm(rotation_vector_rad);
   if (angle < 1.0) {
-    const Eigen::Matrix3d v_hat = hat(rotation_vector_rad);
-    return Eigen::Matrix3d::Identity() + detail::one_minus_cos_over_a2(angle) * v_hat +
-           detail::a_minus_sin_over_a3(angle) * (v_hat * v_hat);
+    return detail::rotation_polynomial(rotation_vector_rad, detail::one_minus_cos_over_a2(angle),
+                                       detail::a_minus_sin_over_a3(angle));
   }
   // In terms of the axis nothing overflows, however long the vector is.
-  const Eigen::Matrix3d axis_hat = hat(rotation_vector_rad / angle);
   const double half_sin = std::sin(0.5 * angle);
-  return Eigen::Matrix3d::Identity() + 2.0 * half_sin * half_sin / angle * axis_hat +
-         (1.0 - std::sin(angle) / angle) * (axis_hat * axis_hat);
+  return detail::rotation_polynomial(rotation_vector_rad / angle, 2.0 * half_sin * half_sin / angle,
+                                     1.0 - std::sin(angle) / angle);
 }
 
 /// Inverse of so3_left_jacobian(). Defined for |v| < 2π; so3_log() never leaves [0, π]. Near a
 /// full turn its elements grow without bound.
 inline Eigen::Matrix3d so3_left_jacobian_inverse(const Eigen::Vector3d& rotation_vector_rad) {
   const double angle = detail::safe_norm(rotation_vector_rad);
-  const Eigen::Matrix3d v_hat = hat(rotation_vector_rad);
-  return Eigen::Matrix3d::Identity() - 0.5 * v_hat +
-         detail::one_minus_half_cot_over_a2(angle) * (v_hat * v_hat);
+  return detail::rotation_polynomial(rotation_vector_rad, -0.5,
+                                     detail::one_minus_half_cot_over_a2(angle));
 }
 
 /// Rigid motion of a tangent vector [m, rad]: the screw motion that a constant body velocity
@@ -279,23 +305,6 @@ inline Pose se3_interpolate(const Pose& T_w_a, const Pose& T_w_b, double fractio
   return T_w_a * se3_exp(fraction * se3_log(T_a_b));
 }
 
-/// `T` with its 3×3 part replaced by the nearest proper rotation (Frobenius norm); translation
-/// unchanged. Removes the drift of long products. A matrix that is not finite is returned as it is.
-inline Pose orthonormalized(const Pose& T) {
-  const Eigen::Matrix3d linear = T.linear();
-  if (!linear.allFinite()) return T;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  // The nearest orthogonal matrix may be a reflection; turning the direction of least singular
-  // value around gives the nearest rotation.
-  if (u.determinant() * svd.matrixV().determinant() < 0.0) u.col(2) = -u.col(2);
-  const Eigen::Matrix3d rotation = u * svd.matrixV().transpose();
-  Pose result = T;
-  // One Newton step of the polar decomposition takes out the rounding of the one above.
-  result.linear() = 1.5 * rotation - 0.5 * rotation * (rotation.transpose() * rotation);
-  return result;
-}
-
 /// Pose of a translation [m] and a quaternion, which is normalised. Fails with kInvalidArgument
 /// and leaves `pose` alone when a number is not finite or the quaternion's norm is below 1e-6 (a
 /// unit quaternion was meant and something went wrong). `pose` must not be null.
@@ -310,7 +319,7 @@ inline Status pose_from_quaternion(const Eigen::Vector3d& translation_m,
   if (!quaternion.coeffs().allFinite()) {
     return Status::failure(StatusCode::kInvalidArgument, "quaternion is not finite");
   }
-  const double norm = quaternion.coeffs().stableNorm();
+  const double norm = detail::safe_norm(quaternion.coeffs().data(), 4);
   if (!(norm >= 1e-6) || !std::isfinite(norm)) {
     return Status::failure(StatusCode::kInvalidArgument,
                            "quaternion norm is zero or too large; expected a unit quaternion");

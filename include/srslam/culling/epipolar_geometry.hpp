@@ -9,10 +9,6 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include "srslam/core/array_view.hpp"
 #include "srslam/core/camera.hpp"
@@ -56,7 +52,9 @@ inline FundamentalMatrix fundamental_from_pose(const Pose& T_current_reference,
   const Eigen::Vector3d t = T_current_reference.translation();
   Eigen::Matrix3d t_cross;
   t_cross << 0.0, -t.z(), t.y(), t.z(), 0.0, -t.x(), -t.y(), t.x(), 0.0;
-  return K_inverse.transpose() * t_cross * T_current_reference.linear() * K_inverse;
+  const Eigen::Matrix3d R = T_current_reference.linear();
+  const Eigen::Matrix3d essential = t_cross * R;
+  return K_inverse.transpose() * (essential * K_inverse).eval();
 }
 
 struct FundamentalOptions {
@@ -152,33 +150,101 @@ struct PixelNormalization {
   }
 };
 
+template <std::size_t N>
+using SquareArray = std::array<std::array<double, N>, N>;
+
+/// Jacobi's rotations: leaves the eigenvalues of a symmetric matrix on its diagonal and makes the
+/// rows of `vectors` its unit eigenvectors, in no order. Written out because Eigen's solvers take
+/// seconds to compile, in every source that sees them.
+template <std::size_t N>
+void diagonalize(SquareArray<N>* matrix, SquareArray<N>* vectors) noexcept {
+  SquareArray<N>& A = *matrix;
+  SquareArray<N>& V = *vectors;
+  double trace = 0.0;
+  for (std::size_t i = 0; i < N; ++i) {
+    V[i].fill(0.0);
+    V[i][i] = 1.0;
+    trace += std::abs(A[i][i]);
+  }
+  const double zero = 1e-16 * trace;
+  constexpr int kMaxSweeps = 20;  // 5 to 8 are usual
+  bool turned = true;
+  for (int sweep = 0; turned && sweep < kMaxSweeps; ++sweep) {
+    turned = false;
+    for (std::size_t p = 0; p < N; ++p) {
+      for (std::size_t q = p + 1; q < N; ++q) {
+        if (!(std::abs(A[p][q]) > zero)) continue;
+        turned = true;
+        const double cot_2 = 0.5 * (A[q][q] - A[p][p]) / A[p][q];
+        const double tan =
+            std::copysign(1.0 / (std::abs(cot_2) + std::sqrt(1.0 + cot_2 * cot_2)), cot_2);
+        const double cos = 1.0 / std::sqrt(1.0 + tan * tan);
+        const double sin = tan * cos;
+        const auto turn = [cos, sin](double* a, double* b) {
+          const double before = *a;
+          *a = cos * before - sin * *b;
+          *b = sin * before + cos * *b;
+        };
+        for (std::size_t i = 0; i < N; ++i) turn(&A[i][p], &A[i][q]);
+        for (std::size_t i = 0; i < N; ++i) turn(&A[p][i], &A[q][i]);
+        for (std::size_t i = 0; i < N; ++i) turn(&V[p][i], &V[q][i]);
+      }
+    }
+  }
+}
+
 /// Least squares of the epipolar equation, then the nearest matrix of rank 2. False when the pairs
 /// do not determine it.
-template <typename Indices>
-bool fit_fundamental(const std::vector<PixelPair>& pairs, const Indices& indices,
-                     Eigen::Matrix3d* F) {
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+inline bool fit_fundamental(const std::vector<PixelPair>& pairs,
+                            ArrayView<const std::uint32_t> indices, Eigen::Matrix3d* F) noexcept {
+  SquareArray<9> normal{};
   for (const std::uint32_t index : indices) {
     const PixelPair& p = pairs[index];
-    Eigen::Matrix<double, 9, 1> row;
-    row << p.current_u_px * p.reference_u_px, p.current_u_px * p.reference_v_px, p.current_u_px,
-        p.current_v_px * p.reference_u_px, p.current_v_px * p.reference_v_px, p.current_v_px,
-        p.reference_u_px, p.reference_v_px, 1.0;
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    const std::array<double, 9> row{p.current_u_px * p.reference_u_px,
+                                    p.current_u_px * p.reference_v_px,
+                                    p.current_u_px,
+                                    p.current_v_px * p.reference_u_px,
+                                    p.current_v_px * p.reference_v_px,
+                                    p.current_v_px,
+                                    p.reference_u_px,
+                                    p.reference_v_px,
+                                    1.0};
+    for (std::size_t i = 0; i < 9; ++i) {
+      for (std::size_t j = 0; j < 9; ++j) normal[i][j] += row[i] * row[j];
+    }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(normal);
+  SquareArray<9> vectors;
+  diagonalize(&normal, &vectors);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 9; ++i) sum += normal[i][i];
+  if (!std::isfinite(sum)) return false;
+  std::array<std::size_t, 9> order{0, 1, 2, 3, 4, 5, 6, 7, 8};
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t i, std::size_t j) { return normal[i][i] < normal[j][j]; });
   // A second direction without any error: planes, pure rotation, coincident points.
-  if (solver.info() != Eigen::Success ||
-      !(solver.eigenvalues()[1] > 1e-12 * solver.eigenvalues()[8])) {
-    return false;
+  const double second = normal[order[1]][order[1]];
+  const double largest = normal[order[8]][order[8]];
+  if (!(second > 1e-12 * largest)) return false;
+  const std::array<double, 9>& f = vectors[order[0]];
+
+  // Without its part along the direction of least singular value it is of rank 2.
+  SquareArray<3> squared{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) squared[i][j] += f[3 * k + i] * f[3 * k + j];
+    }
   }
-  const Eigen::Matrix<double, 9, 1> f = solver.eigenvectors().col(0);
-  Eigen::Matrix3d full;
-  full << f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8];
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(full, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d& singular = svd.singularValues();
-  *F = svd.matrixU() * Eigen::Vector3d(singular[0], singular[1], 0.0).asDiagonal() *
-       svd.matrixV().transpose();
+  SquareArray<3> directions;
+  diagonalize(&squared, &directions);
+  std::size_t least = squared[1][1] < squared[0][0] ? 1 : 0;
+  if (squared[2][2] < squared[least][least]) least = 2;
+  const std::array<double, 3>& v = directions[least];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double part = f[3 * i] * v[0] + f[3 * i + 1] * v[1] + f[3 * i + 2] * v[2];
+    for (std::size_t j = 0; j < 3; ++j) {
+      (*F)(Eigen::Index(i), Eigen::Index(j)) = f[3 * i + j] - part * v[j];
+    }
+  }
   return F->allFinite();
 }
 
@@ -248,7 +314,7 @@ inline FundamentalResult estimate_fundamental(ArrayView<const PixelPair> pairs,
         ++k;
       }
     }
-    if (detail::fit_fundamental(workspace.normalized, sample, &F)) judge(F);
+    if (detail::fit_fundamental(workspace.normalized, {sample.data(), sample.size()}, &F)) judge(F);
   }
   constexpr int kRefinements = 2;
   for (int i = 0; i < kRefinements && result.num_inliers >= 8; ++i) {

@@ -86,7 +86,7 @@ inline double rms_distance(const std::vector<Eigen::Vector3d>& points, const Eig
                            double* largest) {
   std::vector<double> distances;
   distances.reserve(points.size());
-  for (const Eigen::Vector3d& point : points) distances.push_back((point - mean).stableNorm());
+  for (const Eigen::Vector3d& point : points) distances.push_back(safe_norm(point - mean));
   ErrorStatistics statistics;
   // Cannot fail: align_trajectories() has refused whatever has no finite distances.
   static_cast<void>(compute_error_statistics(distances, &statistics));
@@ -149,7 +149,7 @@ inline AteResult absolute_trajectory_error(const Trajectory& reference, const Tr
   result.errors_m.reserve(result.num_matched);
   if (options.alignment == Alignment::kNone) {
     for (std::size_t i = 0; i < result.num_matched; ++i) {
-      result.errors_m.push_back((estimate_points[i] - reference_points[i]).stableNorm());
+      result.errors_m.push_back(detail::safe_norm(estimate_points[i] - reference_points[i]));
     }
   } else {
     result.scale = alignment.scale;
@@ -163,7 +163,7 @@ inline AteResult absolute_trajectory_error(const Trajectory& reference, const Tr
       const Eigen::Vector3d reference_offset = reference_points[i] - alignment.reference_mean;
       const Eigen::Vector3d difference =
           alignment.scale * (alignment.R_reference_estimate * estimate_offset) - reference_offset;
-      result.errors_m.push_back(difference.stableNorm());
+      result.errors_m.push_back(detail::safe_norm(difference));
     }
   }
   result.status = compute_error_statistics(result.errors_m, &result.translation_m);
@@ -287,7 +287,7 @@ inline void compute_pair_error(const Trajectory& reference, const Trajectory& es
   const Eigen::Vector3d difference = estimate_motion.translation() - reference_translation;
   pair->from_timestamp_s = estimate[pair->estimate_from].timestamp_s;
   pair->to_timestamp_s = estimate[pair->estimate_to].timestamp_s;
-  pair->translation_m = difference.stableNorm();
+  pair->translation_m = safe_norm(difference);
   pair->rotation_deg = kDegPerRad * rotation_angle_rad(rotation);
 }
 

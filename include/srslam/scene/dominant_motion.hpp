@@ -142,16 +142,11 @@ bool strongest_motion(const Model& model, const DominantMotionOptions& options, 
     best_cost = cost;
     return true;
   };
-  // Tukey's biweight: what is hardly an inlier hardly pulls.
-  const auto weight = [limit = double(limit_px2)](double squared_px2) {
-    const double rest = 1.0 - squared_px2 / limit;
-    return rest > 0.0 ? rest * rest : 0.0;
-  };
   const auto refine = [&](const std::vector<std::int32_t>& tracks,
                           typename Model::Parameters* refined) {
     double step_norm = 0.0;
     for (int i = 0; i < options.refine_iterations; ++i) {
-      if (!model.step(*w, tracks, weight, refined, &step_norm)) return false;
+      if (!model.step(*w, tracks, double(limit_px2), refined, &step_norm)) return false;
       if (step_norm < 1e-7) break;
     }
     return true;

@@ -4,14 +4,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "srslam/core/array_view.hpp"
 #include "srslam/core/camera.hpp"
 #include "srslam/core/pose.hpp"
+#include "srslam/core/positive_definite.hpp"
 #include "srslam/core/se3.hpp"
 #include "srslam/scene/flow_track.hpp"
 
@@ -36,6 +37,13 @@ struct DominantMotionWorkspace {
 namespace detail {
 
 constexpr float kBehindCamera_px2 = 1e12F;
+constexpr double kNoLimit_px2 = std::numeric_limits<double>::infinity();
+
+/// Tukey's biweight: what is hardly within the limit hardly pulls. 1 under kNoLimit_px2.
+inline double tukey_weight(double squared_px2, double limit_px2) noexcept {
+  const double rest = 1.0 - squared_px2 / limit_px2;
+  return rest > 0.0 ? rest * rest : 0.0;
+}
 
 /// Motion model of rigid flow. Points in the reference camera, projected without distortion.
 struct RigidModel {
@@ -66,10 +74,10 @@ struct RigidModel {
     }
   }
 
-  /// One Gauss-Newton step over the tracks with weight; false when they do not determine the pose.
-  template <typename Weight>
+  /// One Gauss-Newton step over the tracks within the limit; false when they do not determine the
+  /// pose.
   bool step(const DominantMotionWorkspace& w, ArrayView<const std::int32_t> indices,
-            const Weight& weight_of, Pose* T_current_reference, double* step_norm) const noexcept {
+            double limit_px2, Pose* T_current_reference, double* step_norm) const noexcept {
     Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
     const Eigen::Matrix3d R = T_current_reference->linear();
@@ -86,19 +94,22 @@ struct RigidModel {
       const double y = p.y() * inverse;
       const double du = fx * x + cx - double(w.u_px[i]);
       const double dv = fy * y + cy - double(w.v_px[i]);
-      const double weight = weight_of(du * du + dv * dv);
+      const double weight = tukey_weight(du * du + dv * dv, limit_px2);
       if (weight <= 0.0) continue;
       // d(u, v) / d(perturbation of T on the left).
       row_u << fx * inverse, 0.0, -fx * x * inverse, -fx * x * y, fx * (1.0 + x * x), -fx * y;
       row_v << 0.0, fy * inverse, -fy * y * inverse, -fy * (1.0 + y * y), fy * x * y, fy * x;
-      hessian.selfadjointView<Eigen::Lower>().rankUpdate(row_u, weight);
-      hessian.selfadjointView<Eigen::Lower>().rankUpdate(row_v, weight);
-      gradient += (weight * du) * row_u + (weight * dv) * row_v;
+      for (int c = 0; c < 6; ++c) {
+        const double weighted_u = weight * row_u[c];
+        const double weighted_v = weight * row_v[c];
+        for (int r = c; r < 6; ++r) {
+          hessian(r, c) += row_u[r] * weighted_u + row_v[r] * weighted_v;
+        }
+        gradient[c] += du * weighted_u + dv * weighted_v;
+      }
     }
-    const Eigen::LDLT<Eigen::Matrix<double, 6, 6>, Eigen::Lower> solver(hessian);
-    if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-14)) return false;
-    const Eigen::Matrix<double, 6, 1> delta = -solver.solve(gradient);
-    if (!delta.allFinite()) return false;
+    Eigen::Matrix<double, 6, 1> delta = -gradient;
+    if (!solve_positive_definite(1e-14, &hessian, &delta) || !delta.allFinite()) return false;
     *step_norm = delta.norm();
     *T_current_reference = se3_exp(delta) * *T_current_reference;
     return true;
@@ -125,10 +136,7 @@ struct RigidModel {
     const ArrayView<const std::int32_t> indices{sample.data(), sample.size()};
     double step_norm = 0.0;
     for (int i = 0; i < kMaxSteps; ++i) {
-      if (!step(
-              w, indices, [](double) { return 1.0; }, T_current_reference, &step_norm)) {
-        return false;
-      }
+      if (!step(w, indices, kNoLimit_px2, T_current_reference, &step_norm)) return false;
       // Beyond a metre or a radian the sample is no motion between near frames.
       if (step_norm > 2.0) return false;
       if (step_norm < kConverged) return true;
@@ -153,9 +161,8 @@ struct AffineModel {
   }
 
   /// Weighted least squares, which needs no iteration but for the weights.
-  template <typename Weight>
   bool step(const DominantMotionWorkspace& w, ArrayView<const std::int32_t> indices,
-            const Weight& weight_of, AffineFlow* affine, double* step_norm) const noexcept {
+            double limit_px2, AffineFlow* affine, double* step_norm) const noexcept {
     // About the mean, for the sake of the equations' condition.
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     double weight_sum = 0.0;
@@ -163,7 +170,7 @@ struct AffineModel {
       *pixel = Eigen::Vector2d(double(w.x[i]), double(w.y[i]));
       const Eigen::Vector2d error = affine->leftCols<2>() * *pixel + affine->col(2) -
                                     Eigen::Vector2d(double(w.u_px[i]), double(w.v_px[i]));
-      return weight_of(error.squaredNorm());
+      return tukey_weight(error.squaredNorm(), limit_px2);
     };
     Eigen::Vector2d pixel;
     for (const std::int32_t index : indices) {
@@ -182,13 +189,10 @@ struct AffineModel {
       normal += weight * row * row.transpose();
       right += weight * row * Eigen::RowVector2d(double(w.u_px[i]), double(w.v_px[i]));
     }
-    const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
-    if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-12)) return false;
-    const Eigen::Matrix<double, 3, 2> solution = solver.solve(right);
-    if (!solution.allFinite()) return false;
+    if (!solve_positive_definite(1e-12, &normal, &right) || !right.allFinite()) return false;
     AffineFlow fitted;
-    fitted.leftCols<2>() = solution.topRows<2>().transpose();
-    fitted.col(2) = solution.row(2).transpose() - fitted.leftCols<2>() * mean;
+    fitted.leftCols<2>() = right.topRows<2>().transpose();
+    fitted.col(2) = right.row(2).transpose() - fitted.leftCols<2>() * mean;
     *step_norm = (fitted - *affine).norm();
     *affine = fitted;
     return true;
@@ -205,8 +209,7 @@ struct AffineModel {
   bool fit_sample(const DominantMotionWorkspace& w, const std::array<std::int32_t, 3>& sample,
                   AffineFlow* affine) const noexcept {
     double step_norm = 0.0;
-    return step(
-        w, {sample.data(), sample.size()}, [](double) { return 1.0; }, affine, &step_norm);
+    return step(w, {sample.data(), sample.size()}, kNoLimit_px2, affine, &step_norm);
   }
 };
 
