@@ -58,6 +58,7 @@ std::vector<int> groups_by_definition(const std::vector<FlowPoint>& points,
   std::vector<int> group_of(points.size(), 0);
   if (!options.group_depths) return group_of;
   std::vector<float> depth_m;
+  depth_m.reserve(points.size());
   for (const FlowPoint& point : points) depth_m.push_back(point.depth_m);
   const auto keep_valid = [](std::vector<float> values) {
     values.erase(std::remove_if(values.begin(), values.end(),
@@ -313,6 +314,7 @@ TEST(AdaptiveDbscanProperty, OneGroupOfDepthIsPlainDbscan) {
 
     const std::array<float, 2> unit = detail::image_unit(options.space, camera);
     std::vector<std::array<float, 2>> image_points;
+    image_points.reserve(points.size());
     for (const FlowPoint& p : points) image_points.push_back({p.u_px * unit[0], p.v_px * unit[1]});
     DbscanOptions plain_options;
     plain_options.eps = grouped.result.eps;
@@ -360,6 +362,7 @@ TEST(AdaptiveDbscanProperty, OrderOfThePointsChangesNothingButNumbers) {
     const AdaptiveRun before = run_adaptive(points, options, reliability, camera);
     const std::vector<std::size_t> order = test::random_order(points.size(), rng);
     std::vector<FlowPoint> shuffled;
+    shuffled.reserve(order.size());
     for (const std::size_t i : order) shuffled.push_back(points[i]);
     const AdaptiveRun after = run_adaptive(shuffled, options, reliability, camera);
     EXPECT_EQ(before.result.depth.threshold_m, after.result.depth.threshold_m);

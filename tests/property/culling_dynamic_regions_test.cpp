@@ -100,6 +100,7 @@ TEST(DynamicRegionsProperty, AMovingCameraInAStaticSceneLosesHardlyAnything) {
           << " by epipolar geometry, " << run.result.num_depth_anomalies << " by depth";
 
       std::vector<FlowPoint> points;
+      points.reserve(tracks.size());
       for (const FlowTrack& track : tracks) points.push_back(track.current);
       CullingFrame frame;
       frame.reliability = {rng.uniform(0.2, 1.0), rng.uniform(0.5, 2.0)};
