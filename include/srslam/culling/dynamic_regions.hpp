@@ -459,14 +459,10 @@ class RegionFinder {
     activate_all(&w_.affine);
     // From the flow of all tracks to that of most: what is far from it pulls less and less.
     double step_norm = 0.0;
-    double limit_px2 = std::numeric_limits<double>::infinity();
-    const auto weight = [&](double squared_px2) {
-      const double rest = std::max(0.0, 1.0 - squared_px2 / limit_px2);
-      return rest * rest;
-    };
+    double limit_px2 = kNoLimit_px2;
     constexpr int kReweightings = 3;
     for (int i = 0; i <= kReweightings; ++i) {
-      if (!AffineModel{}.step(w_.affine, w_.affine.active, weight, affine, &step_norm)) {
+      if (!AffineModel{}.step(w_.affine, w_.affine.active, limit_px2, affine, &step_norm)) {
         return i > 0;
       }
       limit_px2 = result_.motion.inlier_limit_px * result_.motion.inlier_limit_px;
