@@ -191,9 +191,9 @@ TEST_F(CliRun, TracksTheRoomAndWritesEverything) {
   EXPECT_EQ(summary["association"]["num_color"], kNumFrames);
   EXPECT_EQ(summary["camera"]["depth_units_per_m"], 5000.0);
   EXPECT_EQ(summary["camera"]["width_px"], 320);
-  EXPECT_EQ(summary["modules"], "S");
+  EXPECT_EQ(summary["modules"], "S,D");
   EXPECT_EQ(summary["detections"]["frames"], kNumFrames);
-  EXPECT_EQ(summary["detections"]["used_for_masking"], false);
+  EXPECT_EQ(summary["detections"]["used_for_masking"], true);
   EXPECT_EQ(summary["first_depth_image"]["plausible"], true);
   EXPECT_EQ(summary["picture"]["written"], true);
   EXPECT_EQ(summary["config_hash"], cli::config_hash({}));
@@ -232,7 +232,7 @@ TEST_F(CliRun, TracksTheRoomAndWritesEverything) {
   }
 
   // What was found rather than asked for is said; progress goes to the standard error alone.
-  for (const char* part : {"camera.yaml", "detections.txt", "groundtruth.txt", "do not mask"}) {
+  for (const char* part : {"camera.yaml", "detections.txt", "groundtruth.txt", "S,D"}) {
     EXPECT_NE(result.out.find(part), std::string::npos) << part << " is not in: " << result.out;
   }
   EXPECT_NE(result.out.find("16 of 16 (100.0 %)"), std::string::npos) << result.out;
@@ -286,6 +286,7 @@ TEST_F(CliRun, JudgingScenesChangesNoPose) {
   // Nothing moves in the room but the camera.
   for (const std::string& value : column("judged", "scene_class")) EXPECT_EQ(value, "GOOD");
   for (const std::string& value : column("none", "scene_class")) EXPECT_EQ(value, "");
+  for (const std::string& value : column("judged", "culling_branch")) EXPECT_EQ(value, "");
   const std::vector<std::string> residuals = column("judged", "residual_px");
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     EXPECT_EQ(residuals[i].empty(), i < 5) << i;  // initial frames are judged without motion
@@ -362,7 +363,7 @@ TEST_F(CliRun, RefusesBadInputsBeforeItWritesAnything) {
   expect_usage_error({"--dataset", room(), "--config", "config.yaml"},
                      {"config.yaml:2:", "features.num_features", "50 to 20000"});
   expect_usage_error({"--dataset", room(), "--modules", "S,X"}, {"unknown module 'X'"});
-  expect_usage_error({"--dataset", room(), "--modules", "S,D"}, {"known but not built"});
+  expect_usage_error({"--dataset", room(), "--modules", "S,P"}, {"known but not built"});
   expect_usage_error({"--dataset", room(), "--modules", "P"}, {"needs module 'S'"});
   expect_usage_error({"--dataset", room(), "--depth-scale", "0"}, {"--depth-scale"});
   expect_usage_error({"--dataset", room(), "--depth-scale", "-5"}, {"--depth-scale"});

@@ -38,6 +38,7 @@ CullingInput random_culling_input(Rng& rng) {
   input.frame.reliability = {rng.uniform(0.0, 1.0), rng.uniform(0.0, 2.0)};
   input.frame.residual_px = rng.uniform(0.0, 4.0);
   input.options.clustering.eps_base = rng.uniform(0.005, 0.05);
+  input.options.min_kept_share = 0.0;  // the branch as printed; see the test of the other
   input.options.clustering.group_depths = rng.uniform(0.0, 1.0) < 0.8;
   if (rng.coin()) input.options.clustered = ClusteredFeatures::kPotential;
   constexpr ClusterSpace kImageSpaces[] = {ClusterSpace::kImageWidth, ClusterSpace::kImageDiagonal,
@@ -180,6 +181,36 @@ TEST(DynamicCullingProperty, TheBranchTurnsJustAboveTheLimit) {
   });
 }
 
+TEST(DynamicCullingProperty, TooFewThatWouldBeLeftAreSpared) {
+  int num_spared = 0;
+  int num_aggressive = 0;
+  for_each_seed(100, [&](Rng& rng) {
+    CullingInput input = random_culling_input(rng);
+    input.frame.residual_px = input.options.high_motion_px + 1.0;
+    int num_potential = 0;
+    for (const FeatureSuspicion& feature : input.features) {
+      num_potential += feature.potential() ? 1 : 0;
+    }
+    if (num_potential == 0) return;
+    input.options.min_kept_share = rng.uniform(0.0, 1.0);
+    const double share_left = 1.0 - double(num_potential) / double(input.features.size());
+    const CullingRun run = run_culling(input);
+    if (share_left >= input.options.min_kept_share) {
+      ++num_aggressive;
+      EXPECT_EQ(run.result.branch, CullingBranch::kAggressive);
+      EXPECT_EQ(run.result.num_removed, num_potential);
+    } else {
+      ++num_spared;
+      EXPECT_EQ(run.result.branch, CullingBranch::kSparing);
+      EXPECT_EQ(run.verdicts, refined_by_definition(input));
+    }
+  });
+  if (num_spared + num_aggressive > 1) {  // more than a replayed one
+    EXPECT_GT(num_spared, 0);
+    EXPECT_GT(num_aggressive, 0);
+  }
+}
+
 TEST(DynamicCullingProperty, WithoutAnomaliesNothingGoesUnlessMotionIsHigh) {
   for_each_seed(50, [](Rng& rng) {
     CullingInput input = random_culling_input(rng);
@@ -193,6 +224,7 @@ TEST(DynamicCullingProperty, AnomaliesThatAreAloneStay) {
     // At least 40 px apart: twice eps at its widest.
     CullingInput input;
     input.camera = test::flow_camera();
+    input.options.clustering.eps_base = 0.02;
     for (int u = 0; u < 16; ++u) {
       for (int v = 0; v < 12; ++v) {
         input.points.push_back({float(40 * u), float(40 * v), float(rng.uniform(1.0, 1.1)), false});

@@ -69,9 +69,14 @@ void change(const PipelineOption& option, PipelineOptions* options) {
     choice->set(*options, (choice->get(*options) + 1) % static_cast<int>(choice->names.size()));
     return;
   }
+  if (const auto* names = std::get_if<NamesOption>(&option.value)) {
+    names->field(*options).emplace_back("dog");
+    return;
+  }
   std::visit(
       [options](const auto& value) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(value)>, ChoiceOption>) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(value)>, NamesOption> &&
+                      !std::is_same_v<std::decay_t<decltype(value)>, ChoiceOption>) {
           auto& field = value.field(*options);
           field = static_cast<std::decay_t<decltype(field)>>(field + 1);
         }
@@ -108,14 +113,15 @@ TEST(PipelineOptionTable, HoldsEveryFieldOfTheOptions) {
   EXPECT_EQ(count_keys("tracking."), count_members<TrackingOptions>()) << message;
   EXPECT_EQ(count_keys("keyframes."), count_members<KeyframeOptions>()) << message;
   EXPECT_EQ(count_keys("mapping."), count_members<MappingOptions>()) << message;
-  // The five groups and num_threads.
-  EXPECT_EQ(count_members<PipelineOptions>(), 6U) << message;
-  // Of module S those that somebody who runs the program has a use for.
+  // The six groups and num_threads.
+  EXPECT_EQ(count_members<PipelineOptions>(), 7U) << message;
+  // Of modules S and D those that somebody who runs the program has a use for.
   EXPECT_EQ(count_keys("scene."), scene_option_table().size());
+  EXPECT_EQ(count_keys("culling."), culling_option_table().size());
   EXPECT_EQ(pipeline_option_table().size(),
             count_members<FeatureOptions>() + count_members<TrackingOptions>() +
                 count_members<KeyframeOptions>() + count_members<MappingOptions>() +
-                scene_option_table().size() + 1)
+                scene_option_table().size() + culling_option_table().size() + 1)
       << message;
 }
 
@@ -145,6 +151,16 @@ TEST_F(ConfigFile, ChoicesAreReadByName) {
   EXPECT_EQ(options_.scene.assessor.residual.compensation, MotionCompensation::kNone);
   expect_refused("num_threads: 1\nscene.factor: steep\n", 2,
                  "expected one of exponential, rational, clip, linear, literal");
+}
+
+TEST_F(ConfigFile, ListsOfNamesAreReadAndWritten) {
+  ASSERT_TRUE(read("culling.classes: person, teddy bear\n").ok());
+  EXPECT_EQ(options_.culling.regions.classes, (std::vector<std::string>{"person", "teddy bear"}));
+  EXPECT_EQ(value_text(option_named("culling.classes"), options_), "person,teddy bear");
+  expect_refused("culling.classes: person,,dog\n", 1, "has an empty name");
+  ASSERT_TRUE(read("culling.classes: movable\nculling.depth_test: on\n").ok());
+  EXPECT_TRUE(options_.culling.regions.classes.empty());
+  EXPECT_TRUE(options_.culling.regions.use_depth);
 }
 
 TEST(PipelineOptionTable, DefaultsLieInTheRanges) {
@@ -251,7 +267,8 @@ TEST_F(ConfigFile, RefusesWhatThePipelineRefuses) {
       if (!valid.ok() && reason.find("at least tracking.") == std::string::npos &&
           reason.find("features.fast_threshold") == std::string::npos &&
           reason.find("min_depth_m < max_depth_m") == std::string::npos &&
-          reason.find("must not be below min_age_frames") == std::string::npos) {
+          reason.find("must not be below min_age_frames") == std::string::npos &&
+          reason.find("depth thresholds must be") == std::string::npos) {
         ADD_FAILURE() << option.key << " = " << value << ": " << reason;
       }
     };

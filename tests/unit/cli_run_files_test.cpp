@@ -99,6 +99,16 @@ TEST(FramesCsv, EveryLineHasTheFieldsOfTheHeader) {
   EXPECT_NE(tracked.find(",432,"), std::string::npos) << tracked;
   EXPECT_NE(tracked.find(",\"weak, and the mapper is idle\","), std::string::npos) << tracked;
   EXPECT_NE(tracked.find(",12.346,\n"), std::string::npos) << tracked;
+
+  result.has_scene = true;
+  result.has_culling = true;
+  result.culling.removal.branch = CullingBranch::kSparing;
+  result.culling.removal.num_removed = 87;
+  result.culling.regions.epipolar = SkippedTest::kNoParallax;
+  const std::string culled = frames_csv_line(record, &result, {});
+  EXPECT_EQ(num_fields(culled), num_fields(header)) << culled;
+  EXPECT_NE(culled.find(",sparing,0,"), std::string::npos) << culled;
+  EXPECT_NE(culled.find(",87,no parallax,turned off,"), std::string::npos) << culled;
 }
 
 TEST(FramesCsv, EveryOutcomeHasANameOfItsOwn) {

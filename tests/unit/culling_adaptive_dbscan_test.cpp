@@ -108,16 +108,17 @@ TEST(AdaptiveScale, RisesWithinItsBounds) {
 TEST(AdaptiveDbscan, BaseValuesHoldAtTheAnchors) {
   const AdaptiveClusters at_anchor = cluster({}, {});
   ASSERT_TRUE(at_anchor.result.status.ok());
-  EXPECT_DOUBLE_EQ(at_anchor.result.eps, 0.02);
+  EXPECT_DOUBLE_EQ(at_anchor.result.eps, 0.06);
   EXPECT_EQ(at_anchor.result.min_points, 3);
   // Better scenes search wider (Eq. 13), richer ones ask for more points (Eq. 14).
   const AdaptiveClusters better = cluster({}, {}, {0.47, 2.0});
-  EXPECT_NEAR(better.result.eps, 0.02 * 1.48783, 1e-7);
+  EXPECT_NEAR(better.result.eps, 0.06 * 1.48783, 3e-7);
   EXPECT_EQ(better.result.min_points, 6) << "3 * 1.98 rounded up";
   const AdaptiveClusters worse = cluster({}, {}, {0.0, 0.0});
-  EXPECT_NEAR(worse.result.eps, 0.02 * 0.7330, 1e-6);
+  EXPECT_NEAR(worse.result.eps, 0.06 * 0.7330, 3e-6);
   EXPECT_EQ(worse.result.min_points, 2);
   AdaptiveDbscanOptions literal;
+  literal.eps_base = 0.02;
   literal.eps_adaptation.form = AdaptationForm::kLiteral;
   literal.min_points_adaptation.form = AdaptationForm::kLiteral;
   const AdaptiveClusters as_printed = cluster({}, literal, {0.0, 0.0});

@@ -153,6 +153,28 @@ TEST(DynamicCulling, AllPotentialFeaturesMayBeClustered) {
   EXPECT_EQ(culled.result.num_dynamic_clusters, 2) << "one anomaly at least";
 }
 
+TEST(DynamicCulling, HighMotionSparesFeaturesThatWouldBeTheLast) {
+  SuspectScene scene = two_people();
+  scene.points.resize(14);  // without the room
+  scene.features.resize(14);
+  const std::size_t num_potential = scene.points.size();
+  const CullingFrame moving = quiet_frame(50.0);
+  const Culled refined = cull(scene, {}, quiet_frame());
+  Culled culled = cull(scene, {}, moving);
+  EXPECT_EQ(culled.result.branch, CullingBranch::kSparing) << "nothing else is in view";
+  EXPECT_EQ(culled.verdicts, refined.verdicts);
+  // One more that is not potential, of all: exactly the share asked for, then less.
+  scene.add_row(300.0F, 300.0F, 3.0F, 1, FeatureSuspicion{});
+  DynamicCullingOptions options;
+  options.min_kept_share = 1.0 / double(num_potential + 1);
+  culled = cull(scene, options, moving);
+  EXPECT_EQ(culled.result.branch, CullingBranch::kAggressive);
+  EXPECT_EQ(culled.result.num_removed, int(num_potential));
+  options.min_kept_share *= 1.001;
+  EXPECT_EQ(cull(scene, options, moving).result.branch, CullingBranch::kSparing);
+  EXPECT_STREQ(to_string(CullingBranch::kSparing), "sparing");
+}
+
 TEST(DynamicCulling, NothingPotentialNothingDone) {
   SuspectScene scene;
   scene.add_row(10.0F, 10.0F, 1.0F, 5, FeatureSuspicion{});
@@ -191,12 +213,14 @@ TEST(DynamicCulling, RefusesWhatItCannotDo) {
   CullingFrame frame = quiet_frame();
   frame.reliability.scene = test::kNan;
   EXPECT_EQ(code_of({}, frame), StatusCode::kInvalidArgument);
-  DynamicCullingOptions bad[5];
+  DynamicCullingOptions bad[7];
   bad[0].high_motion_px = 0.0;
   bad[1].high_motion_raw_px = test::kInf;
   bad[2].min_anomalous_share = 1.1;
   bad[3].clustering.eps_base = -1.0;
   bad[4].high_motion_px = test::kNan;
+  bad[5].min_kept_share = -0.1;
+  bad[6].min_kept_share = test::kNan;
   for (const DynamicCullingOptions& options : bad) {
     EXPECT_EQ(code_of(options, quiet_frame()), StatusCode::kInvalidArgument);
   }

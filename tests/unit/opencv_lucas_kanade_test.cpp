@@ -48,6 +48,57 @@ std::vector<FlowPoint> grid_points() {
   return points;
 }
 
+TEST(LucasKanadeTracker, FollowsPointsOfTheNewestFrameOneFrameBack) {
+  const cv::Mat texture = random_texture(2);
+  const std::vector<FlowPoint> points = grid_points();
+  LucasKanadeTracker tracker;
+  std::vector<FlowTrack> tracks(3);
+  EXPECT_EQ(tracker.track_back(points, {}, &tracks).code, StatusCode::kInsufficientData);
+  ASSERT_TRUE(tracker.push(1, as_view<std::uint8_t>(view_of(texture, 0, 0)), points).ok());
+  EXPECT_EQ(tracker.track_back(points, {}, &tracks).code, StatusCode::kInsufficientData);
+  EXPECT_TRUE(tracks.empty());
+  ASSERT_TRUE(tracker.follow(1).ok());
+  ASSERT_TRUE(tracker.push(2, as_view<std::uint8_t>(view_of(texture, 4.2, -2.6)), {}).ok());
+  ASSERT_TRUE(tracker.push(3, as_view<std::uint8_t>(view_of(texture, 7.5, -1.5)), {}).ok());
+  const std::vector<FlowTrack> forward(tracker.tracks().begin(), tracker.tracks().end());
+
+  std::vector<FlowPoint> guess = points;
+  for (FlowPoint& point : guess) point.u_px -= 3.0F;
+  for (const ArrayView<const FlowPoint> guesses : {ArrayView<const FlowPoint>(), {guess}}) {
+    ASSERT_TRUE(tracker.track_back(points, guesses, &tracks).ok());
+    ASSERT_EQ(tracks.size(), points.size());
+    std::size_t num_alive = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_EQ(tracks[i].current.u_px, points[i].u_px) << "the point stays as it was given";
+      EXPECT_EQ(tracks[i].current.depth_m, points[i].depth_m);
+      if (!tracks[i].alive) continue;
+      ++num_alive;
+      EXPECT_NEAR(double(tracks[i].reference.u_px), double(points[i].u_px) - 3.3, 0.3);
+      EXPECT_NEAR(double(tracks[i].reference.v_px), double(points[i].v_px) - 1.1, 0.3);
+    }
+    EXPECT_GT(num_alive, points.size() * 8 / 10);
+  }
+
+  // The reference and its tracks are as they were.
+  EXPECT_EQ(tracker.reference_id(), 1U);
+  ASSERT_EQ(tracker.tracks().size, forward.size());
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    EXPECT_EQ(tracker.tracks()[i].alive, forward[i].alive);
+    EXPECT_EQ(tracker.tracks()[i].current.u_px, forward[i].current.u_px);
+  }
+  guess.pop_back();
+  EXPECT_EQ(tracker.track_back(points, guess, &tracks).code, StatusCode::kInvalidArgument);
+  // Points at the border, or nowhere, are not followed.
+  FlowPoint outside;
+  outside.u_px = 2.0F;
+  outside.v_px = 100.0F;
+  FlowPoint nowhere;
+  nowhere.u_px = std::nanf("");
+  ASSERT_TRUE(tracker.track_back(std::vector<FlowPoint>{outside, nowhere}, {}, &tracks).ok());
+  EXPECT_FALSE(tracks[0].alive);
+  EXPECT_FALSE(tracks[1].alive);
+}
+
 TEST(LucasKanadeTracker, FollowsThePointsOfTheReferenceOverManyFrames) {
   const cv::Mat texture = random_texture(1);
   const std::vector<FlowPoint> points = grid_points();
