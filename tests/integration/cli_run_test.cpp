@@ -266,7 +266,10 @@ TEST_F(CliRun, GivesTheSameBytesAgainAndWithOneThread) {
 
 TEST_F(CliRun, JudgingScenesChangesNoPose) {
   ASSERT_EQ(run({"--dataset", room(), "--output", "none", "--modules", "none"}).exit_code, 0);
-  ASSERT_EQ(run({"--dataset", room(), "--output", "judged", "--modules", "S"}).exit_code, 0);
+  const ProgramResult judged =
+      run({"--dataset", room(), "--output", "judged", "--modules", "S"});
+  ASSERT_EQ(judged.exit_code, 0);
+  EXPECT_NE(judged.out.find("do not mask"), std::string::npos) << judged.out;
   for (const char* file : {"trajectory.txt", "trajectory_optimized.txt", "keyframes.txt"}) {
     EXPECT_EQ(read_text(output("judged/") + file), read_text(output("none/") + file)) << file;
   }
