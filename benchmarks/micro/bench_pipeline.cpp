@@ -9,10 +9,13 @@
 #include <vector>
 
 #include "pipeline/bundle_adjustment.hpp"
+#include "pipeline/culling_module.hpp"
 #include "pipeline/feature_frame.hpp"
 #include "pipeline/matching.hpp"
 #include "pipeline/orb_features.hpp"
 #include "pipeline/pose_solver.hpp"
+#include "pipeline/scene_module.hpp"
+#include "pipeline/stopwatch.hpp"
 #include "srslam/core/se3.hpp"
 #include "srslam/pipeline/reference_pipeline.hpp"
 #include "support/rendered_world.hpp"
@@ -52,6 +55,53 @@ void BM_ExtractFeatures(benchmark::State& state) {
   state.counters["features"] = static_cast<double>(features.features.size());
 }
 BENCHMARK(BM_ExtractFeatures)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// Module D of a frame, which module S has assessed before (not timed): the features followed one
+/// frame back, regions, removal. `people`: half of the features lie in a person's box.
+void BM_CullingModule(benchmark::State& state) {
+  const bool people = state.range(0) != 0;
+  constexpr int kNumFrames = 12;
+  const std::vector<RenderedFrame> frames =
+      test::render_path(RenderedWorld(3), kCamera, kNumFrames);
+  detail::OrbExtractor extractor({});
+  std::vector<detail::OrbFeatures> features(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    extractor.extract(frames[i].gray.view(), {}, &features[i]);
+  }
+  const std::vector<Detection> boxes = {{"person", 0.8, 0.25 * kCamera.width_px, 0.0,
+                                         0.75 * kCamera.width_px, 1.0 * kCamera.height_px}};
+  SceneOptions scene_options;
+  scene_options.enabled = true;
+  CullingOptions culling_options;
+  culling_options.enabled = true;
+  detail::SceneModule scene(kCamera, scene_options);
+  detail::CullingModule culling(kCamera, culling_options);
+  int number = 0;
+  int num_removed = 0;
+  for (auto _ : state) {
+    // There and back, so that the camera never leaps.
+    const int place = number++ % (2 * kNumFrames - 2);
+    const auto i = static_cast<std::size_t>(std::min(place, 2 * kNumFrames - 2 - place));
+    PipelineFrame frame;
+    frame.gray = frames[i].gray.view();
+    frame.depth_m = frames[i].depth_m.view();
+    frame.has_detections = people;
+    if (people) frame.detections = boxes;
+    const SceneReport report = scene.assess(frame, features[i].features);
+    detail::Stopwatch stopwatch;
+    const CullingReport culled = culling.cull(frame, report, &scene);
+    state.SetIterationTime(1e-3 * stopwatch.lap_ms());
+    if (!culled.status.ok()) state.SkipWithError(culled.status.reason);
+    num_removed += culled.removal.num_removed;
+  }
+  state.counters["removed"] = double(num_removed) / std::max(1, number);
+}
+BENCHMARK(BM_CullingModule)
+    ->ArgName("people")
+    ->Arg(0)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
 
 void BM_MatchByProjection(benchmark::State& state) {
   Rng rng(2);

@@ -266,8 +266,7 @@ TEST_F(CliRun, GivesTheSameBytesAgainAndWithOneThread) {
 
 TEST_F(CliRun, JudgingScenesChangesNoPose) {
   ASSERT_EQ(run({"--dataset", room(), "--output", "none", "--modules", "none"}).exit_code, 0);
-  const ProgramResult judged =
-      run({"--dataset", room(), "--output", "judged", "--modules", "S"});
+  const ProgramResult judged = run({"--dataset", room(), "--output", "judged", "--modules", "S"});
   ASSERT_EQ(judged.exit_code, 0);
   EXPECT_NE(judged.out.find("do not mask"), std::string::npos) << judged.out;
   for (const char* file : {"trajectory.txt", "trajectory_optimized.txt", "keyframes.txt"}) {

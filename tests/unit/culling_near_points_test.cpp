@@ -25,8 +25,10 @@ TEST(NearPoints, AreWithinTheRadiusThatIsIncluded) {
 TEST(NearPoints, MayBeRefused) {
   NearPoints points;
   for (int i = 0; i < 9; ++i) points.add(float(i), 0.0F);
-  EXPECT_TRUE(points.any_near(4.0F, 0.0F, 1.0F, [](std::size_t i) { return i == 5; }));
-  EXPECT_FALSE(points.any_near(4.0F, 0.0F, 1.0F, [](std::size_t i) { return i == 6; }));
+  EXPECT_TRUE(
+      points.any_near(4.0F, 0.0F, 1.0F, 0, points.size(), [](std::size_t i) { return i == 5; }));
+  EXPECT_FALSE(
+      points.any_near(4.0F, 0.0F, 1.0F, 0, points.size(), [](std::size_t i) { return i == 6; }));
 }
 
 TEST(NearPoints, WithoutANumberAreNearNothing) {

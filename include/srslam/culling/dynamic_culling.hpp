@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "srslam/core/array_view.hpp"
@@ -130,7 +131,7 @@ struct DynamicCullingWorkspace {
   std::vector<std::uint8_t> is_dynamic;  ///< of each cluster
   std::vector<int> num_anomalous, num_members;
   std::vector<float> potential_depth_m;
-  NearPoints core;  ///< core points of dynamic clusters
+  NearPoints core;  ///< core points of dynamic clusters, by depth, then those without
   std::vector<float> core_depth_m;
 };
 
@@ -208,24 +209,49 @@ class RefinedCulling {
   }
 
   void remove_clusters() {
+    for (std::size_t k = 0; k < w_.labels.size(); ++k) {
+      if (!in_dynamic_cluster(k)) continue;
+      verdicts_[w_.index[k]] = CullingVerdict::kInCluster;
+      ++result_.num_removed_in_clusters;
+    }
+  }
+
+  /// The core points of dynamic clusters in the order in which their depths were grouped.
+  void collect_core_points() {
     w_.core.clear();
     w_.core_depth_m.clear();
     unit_ =
         image_unit(options_.clustering.space == ClusterSpace::kMetric ? ClusterSpace::kImageWidth
                                                                       : options_.clustering.space,
                    camera_);
-    for (std::size_t k = 0; k < w_.labels.size(); ++k) {
-      if (!in_dynamic_cluster(k)) continue;
-      verdicts_[w_.index[k]] = CullingVerdict::kInCluster;
-      ++result_.num_removed_in_clusters;
-      if (w_.dbscan.kinds[k] != PointKind::kCore) continue;
+    const auto add_core = [this](std::size_t k) {
+      if (!in_dynamic_cluster(k) || w_.dbscan.kinds[k] != PointKind::kCore) return;
       w_.core.add(w_.points[k].u_px * unit_[0], w_.points[k].v_px * unit_[1]);
       w_.core_depth_m.push_back(w_.points[k].depth_m);
+    };
+    for (const auto& [depth_m, k] : w_.dbscan.depth_groups.sorted) add_core(k);
+    num_deep_core_ = w_.core.size();
+    for (std::size_t k = 0; k < w_.points.size(); ++k) {
+      if (!is_valid_depth(w_.points[k].depth_m)) add_core(k);
     }
+  }
+
+  /// Core points among which all are that same_depth() may accept.
+  std::pair<std::size_t, std::size_t> core_range(float depth_m) const {
+    if (!options_.clustering.group_depths) return {0, w_.core.size()};
+    if (!is_valid_depth(depth_m)) return {num_deep_core_, w_.core.size()};
+    const float limit_m = result_.clusters.depth.threshold_m;
+    const float rounding_m = 1e-6F * (depth_m + limit_m);
+    const auto begin = w_.core_depth_m.begin();
+    const auto end = begin + std::ptrdiff_t(num_deep_core_);
+    const auto first = std::lower_bound(begin, end, depth_m - limit_m - rounding_m);
+    const auto last = std::upper_bound(first, end, depth_m + limit_m + rounding_m);
+    return {std::size_t(first - begin), std::size_t(last - begin)};
   }
 
   /// The final dynamic regions: what is potential, within eps of a core point and of its depth.
   void remove_neighbors() {
+    collect_core_points();
     if (w_.core.size() == 0) return;
     // Metric eps is no distance in the image: there the base value in image widths bounds the
     // region.
@@ -235,9 +261,10 @@ class RefinedCulling {
     for (std::size_t i = 0; i < points_.size; ++i) {
       if (!features_[i].potential() || is_removed(verdicts_[i])) continue;
       const FlowPoint& point = points_[i];
-      if (!w_.core.any_near(point.u_px * unit_[0], point.v_px * unit_[1], eps, [&](std::size_t k) {
-            return same_depth(point.depth_m, w_.core_depth_m[k]);
-          })) {
+      const auto [begin, end] = core_range(point.depth_m);
+      if (!w_.core.any_near(
+              point.u_px * unit_[0], point.v_px * unit_[1], eps, begin, end,
+              [&](std::size_t k) { return same_depth(point.depth_m, w_.core_depth_m[k]); })) {
         continue;
       }
       verdicts_[i] = CullingVerdict::kNearCluster;
@@ -260,6 +287,7 @@ class RefinedCulling {
   ArrayView<CullingVerdict> verdicts_;
   DynamicCullingResult& result_;
   std::array<float, 2> unit_{};
+  std::size_t num_deep_core_ = 0;  ///< core points that have depth
 };
 
 }  // namespace detail
