@@ -26,9 +26,9 @@
 #include "cli/run_inputs.hpp"
 #include "srslam/core/se3.hpp"
 #include "srslam/culling/removal_baselines.hpp"
-#include "srslam/evaluation/association.hpp"
 #include "srslam/interop/opencv.hpp"
 #include "srslam/pipeline/reference_pipeline.hpp"
+#include "studies/true_poses.hpp"
 
 namespace {
 
@@ -133,24 +133,6 @@ cv::Mat picture_of(ImageView<const std::uint8_t> gray, const PipelineResult& res
   return picture;
 }
 
-/// The true camera pose at each frame, where there is one.
-std::vector<const Pose*> true_poses(const srslam::cli::RunInputs& inputs) {
-  std::vector<const Pose*> poses(inputs.num_frames, nullptr);
-  std::vector<double> stamps;
-  for (std::size_t i = 0; i < inputs.num_frames; ++i) {
-    stamps.push_back(inputs.dataset.entry(i).timestamp_s);
-  }
-  for (std::size_t i = 0; i < stamps.size(); ++i) {
-    const auto at = std::lower_bound(
-        inputs.groundtruth.begin(), inputs.groundtruth.end(), stamps[i] - 1e-3,
-        [](const srslam::StampedPose& pose, double time_s) { return pose.timestamp_s < time_s; });
-    if (at != inputs.groundtruth.end() && at->timestamp_s < stamps[i] + 1e-3) {
-      poses[i] = &at->T_world_camera;
-    }
-  }
-  return poses;
-}
-
 struct ProbeSettings {
   std::string dataset;
   std::string output;
@@ -176,14 +158,12 @@ int probe(int argc, char** argv) {
   run.config_file = settings.config;
   run.modules = "S,D";
   srslam::cli::RunInputs inputs;
-  // load_run_inputs() only names this folder, nothing is written to it.
-  run.output_folder = settings.output + ".unused";
   const std::string reason = load_run_inputs(run, &inputs);
   if (!reason.empty()) {
     std::cerr << "culling_probe: " << reason << '\n';
     return 2;
   }
-  const std::vector<const Pose*> truth = true_poses(inputs);
+  const std::vector<const Pose*> truth = srslam::studies::true_poses(inputs);
   srslam::ReferencePipeline pipeline(inputs.camera.camera, inputs.options);
   Removals removals(inputs.camera.camera);
 

@@ -24,10 +24,10 @@
 #include "cli/run_inputs.hpp"
 #include "pipeline/orb_features.hpp"
 #include "srslam/core/se3.hpp"
-#include "srslam/evaluation/association.hpp"
 #include "srslam/interop/opencv.hpp"
 #include "srslam/io/detections_file.hpp"
 #include "srslam/scene/reliability.hpp"
+#include "studies/true_poses.hpp"
 
 namespace {
 
@@ -241,15 +241,7 @@ int probe(int argc, char** argv) {
     return 1;
   }
   const PinholeCamera camera = half ? inputs.camera.camera.scaled(0.5) : inputs.camera.camera;
-  srslam::Trajectory stamps(inputs.num_frames);
-  for (std::size_t i = 0; i < inputs.num_frames; ++i) {
-    stamps[i].timestamp_s = inputs.dataset.entry(i).timestamp_s;
-  }
-  const srslam::AssociationResult association = srslam::associate(inputs.groundtruth, stamps);
-  std::vector<const Pose*> truth(inputs.num_frames, nullptr);
-  for (const srslam::TrajectoryMatch& match : association.matches) {
-    truth[match.estimate_index] = &inputs.groundtruth[match.reference_index].T_world_camera;
-  }
+  const std::vector<const Pose*> truth = srslam::studies::true_poses(inputs);
 
   srslam::detail::OrbExtractor extractor{orb};
   srslam::detail::OrbFeatures features;
