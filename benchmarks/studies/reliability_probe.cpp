@@ -225,6 +225,8 @@ int probe(int argc, char** argv) {
   app.add_option("--max-ages", max_ages, "greatest ages of the reference, frames")->delimiter(',');
   app.add_option("--features", orb.num_features);
   app.add_option("--noise", scene.residual.noise_px);
+  app.add_option("--inlier", scene.residual.motion.inlier_px);
+  app.add_option("--inlier-per-flow", scene.residual.motion.inlier_per_flow);
   app.add_option("--min-continuity", scene.min_continuity);
   app.add_option("--coast", scene.max_coasted_frames);
   app.add_option("--window", flow.window_px);
