@@ -19,6 +19,8 @@ NAMESPACE_END = re.compile(r"^\}  // namespace")
 DEFINITION = re.compile(r"^(struct|class) (\w+)[^;]*\{$")
 ALIAS = re.compile(r"^using (\w+) =")
 ACCESS = re.compile(r"^ (public|private|protected):")
+TEMPLATE = re.compile(r"\btemplate <(.*?)>$", re.MULTILINE | re.DOTALL)
+PARAMETER = re.compile(r"\b(?:typename|class|int|std::size_t)\s+(\w+)")
 FIELD = re.compile(r"^  (?!static |using |friend |return |typedef |explicit |virtual |template )"
                    r"[\w:][\w:<>,&\* ]*[\w>&\*] (\w+)( = [^;]*|\{[^;]*\})?;")
 
@@ -87,11 +89,13 @@ def public_text(text):
 
 
 def instantiations(name, texts):
-    """Arguments that a template of one argument is used with, other than its own parameter."""
+    """Arguments that a template of one argument is used with, other than parameters of templates."""
     arguments = set()
     for text in texts:
+        parameters = {parameter for template in TEMPLATE.findall(text)
+                      for parameter in PARAMETER.findall(template)}
         for argument in re.findall(rf"\b{name}<([^<>]+)>", text):
-            if not re.search(r"\b[TU]\b", argument) and "std::remove" not in argument:
+            if not parameters & set(re.findall(r"\w+", argument)) and "std::remove" not in argument:
                 arguments.add(argument)
     return sorted(arguments)
 
