@@ -35,7 +35,9 @@ struct ReferencePipeline::Impl {
         mapper(options, &map),
         tracker(options, &map) {
     if (options.scene.enabled) {
-      scene = std::make_unique<detail::SceneModule>(camera, options.scene);
+      const bool with_raw_residual =
+          options.culling.enabled && options.culling.removal.residual == BranchResidual::kRaw;
+      scene = std::make_unique<detail::SceneModule>(camera, options.scene, with_raw_residual);
     }
     if (options.culling.enabled) {
       culling = std::make_unique<detail::CullingModule>(camera, options.culling);

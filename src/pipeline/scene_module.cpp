@@ -31,7 +31,7 @@ SceneReport SceneModule::assess(const PipelineFrame& frame, ArrayView<const Feat
     }
     observation.tracks = tracker_.tracks();
   }
-  measure_raw_residual(observation.tracks);
+  if (with_raw_residual_) measure_raw_residual(observation.tracks);
   report = assessor_.assess(observation);
   const Status followed = follow_next_reference(report, camera_, &tracker_, &guess_);
   if (report.status.ok()) report.status = followed;

@@ -14,8 +14,13 @@ namespace srslam::detail {
 /// frame only.
 class SceneModule {
  public:
-  SceneModule(const PinholeCamera& camera, const SceneOptions& options)
-      : camera_(camera), tracker_(options.flow), assessor_(camera, options.assessor) {}
+  /// `with_raw_residual`: raw_residual_px() is asked for.
+  SceneModule(const PinholeCamera& camera, const SceneOptions& options,
+              bool with_raw_residual = false)
+      : camera_(camera),
+        tracker_(options.flow),
+        assessor_(camera, options.assessor),
+        with_raw_residual_(with_raw_residual) {}
 
   SceneReport assess(const PipelineFrame& frame, ArrayView<const Feature> features);
 
@@ -36,6 +41,7 @@ class SceneModule {
   std::uint64_t frame_id_ = 0;
   std::vector<FlowPoint> points_;
   std::vector<FlowPoint> guess_;
+  bool with_raw_residual_;
   double raw_residual_px_ = 0.0;
   DominantMotionWorkspace raw_workspace_;
 };
