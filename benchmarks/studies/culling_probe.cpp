@@ -1,11 +1,12 @@
-// How well features on movers are found and the others kept, by several ways of removal.
+// How well features that move are found and the others kept, by several ways of removal.
 //
 //     culling_probe --dataset DIR --output FILE.csv [--picture FILE.jpg --picture-frames I,J]
 //
-// The dataset needs masks/ (srslam synth): what a mask marks moves, everything else stands still.
-// Writes one line a frame: how many features of either kind each way removes, and how far the
-// camera's motion of stage 1 is from the truth. culling_scores.py makes a table of these files. The
-// picture shows the chosen frames, a column for each way.
+// The dataset is one of `srslam synth`. A feature moves when it has moved by itself by more than
+// 1 px (at 640 pixels of width) since the frame before; on a mover it rests when by less; all else
+// is room. Writes one line a frame: how many features of each kind every way removes, and how far
+// the camera's motion of stage 1 is from the truth. culling_scores.py makes a table of these files.
+// The picture shows the chosen frames, a column for each way.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -14,7 +15,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <opencv2/core.hpp>
@@ -28,6 +28,7 @@
 #include "srslam/culling/removal_baselines.hpp"
 #include "srslam/interop/opencv.hpp"
 #include "srslam/pipeline/reference_pipeline.hpp"
+#include "studies/true_motion.hpp"
 #include "studies/true_poses.hpp"
 
 namespace {
@@ -94,23 +95,24 @@ class Removals {
   std::array<Removed, kWays.size()> removed_;
 };
 
-cv::Mat read_mask(const srslam::TumDataset& dataset, std::size_t frame) {
-  const std::filesystem::path color(dataset.entry(frame).color_file);
-  const std::filesystem::path file =
-      std::filesystem::path(dataset.folder()) / "masks" / color.stem().concat(".png");
-  return cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-}
+/// What a feature shows.
+enum Kind : std::size_t { kRoom, kResting, kMoving, kNumKinds };
+constexpr std::array<const char*, kNumKinds> kKindNames = {"room", "resting", "moving"};
 
-bool on_mover(const cv::Mat& mask, const srslam::Feature& feature) {
-  const int u = std::clamp(cvRound(feature.u_px), 0, mask.cols - 1);
-  const int v = std::clamp(cvRound(feature.v_px), 0, mask.rows - 1);
-  return mask.at<std::uint8_t>(v, u) != 0;
+Kind kind_of(const srslam::studies::TrueMotion& truth, const srslam::Feature& feature) {
+  const ImageView<const float> motion_px = truth.motion_px();
+  const int u = std::clamp(cvRound(feature.u_px), 0, motion_px.width_px - 1);
+  const int v = std::clamp(cvRound(feature.v_px), 0, motion_px.height_px - 1);
+  if (truth.instances()(u, v) == 0) return kRoom;
+  // Negated, so that what moves out of the camera's domain moves.
+  return !(motion_px(u, v) <= motion_px.width_px / 640.0) ? kMoving : kResting;
 }
 
 /// One frame with the features as a way leaves them: green kept, red removed; where that is wrong,
-/// yellow on a mover that stays and blue on what stands still and goes.
+/// yellow moves and stays, and blue stands still and goes.
 cv::Mat picture_of(ImageView<const std::uint8_t> gray, const PipelineResult& result,
-                   const cv::Mat& mask, const Removed& removed, const std::string& title) {
+                   const std::vector<Kind>& kinds, const Removed& removed,
+                   const std::string& title) {
   cv::Mat picture;
   cv::cvtColor(srslam::as_mat(gray), picture, cv::COLOR_GRAY2BGR);
   picture = picture * 0.7;
@@ -120,7 +122,7 @@ cv::Mat picture_of(ImageView<const std::uint8_t> gray, const PipelineResult& res
   const cv::Scalar removed_wrong(255, 140, 0);
   for (std::size_t i = 0; i < result.features.size; ++i) {
     const srslam::Feature& feature = result.features[i];
-    const bool moves = on_mover(mask, feature);
+    const bool moves = kinds[i] == kMoving;
     const cv::Point place(cvRound(feature.u_px), cvRound(feature.v_px));
     const cv::Scalar& color = removed[i] != 0 ? (moves ? removed_right : removed_wrong)
                                               : (moves ? kept_wrong : kept_right);
@@ -164,14 +166,23 @@ int probe(int argc, char** argv) {
     return 2;
   }
   const std::vector<const Pose*> truth = srslam::studies::true_poses(inputs);
+  srslam::studies::TrueMotion motion_truth;
+  const std::string unknown = motion_truth.open(settings.dataset, inputs.camera);
+  if (!unknown.empty()) {
+    std::cerr << "culling_probe: " << unknown << '\n';
+    return 2;
+  }
   srslam::ReferencePipeline pipeline(inputs.camera.camera, inputs.options);
   Removals removals(inputs.camera.camera);
 
   std::ofstream out(settings.output);
-  out << "frame,branch,scene_class,reliability,residual_px,state,num_static,num_dynamic,"
-         "num_static_inliers,num_dynamic_inliers,step_error_m,step_error_rad";
-  for (const Way& way : kWays) out << ",static_" << way.name << ",dynamic_" << way.name;
+  out << "frame,branch,scene_class,reliability,residual_px,state,step_error_m,step_error_rad";
+  for (const char* kind : kKindNames) out << ",num_" << kind << ",inliers_" << kind;
+  for (const Way& way : kWays) {
+    for (const char* kind : kKindNames) out << ',' << kind << '_' << way.name;
+  }
   out << '\n';
+  std::vector<Kind> kinds;
   std::vector<cv::Mat> rows;
   srslam::LoadedFrame loaded;
   for (std::size_t i = 0; i < inputs.num_frames; ++i) {
@@ -181,32 +192,33 @@ int probe(int argc, char** argv) {
       return 1;
     }
     if (!loaded.has_depth) continue;
-    const cv::Mat mask = read_mask(inputs.dataset, i);
-    if (mask.empty()) {
-      std::cerr << "culling_probe: frame " << i << " has no mask in " << settings.dataset
-                << "/masks: take a sequence of `srslam synth`\n";
-      return 1;
-    }
     const srslam::PipelineFrame frame = pipeline_frame(loaded, inputs);
     const PipelineResult result = pipeline.process(frame);
-    if (!result.has_culling) continue;
+    if (!result.has_culling || i == 0) continue;
+    const srslam::Status measured = motion_truth.measure(i);
+    if (!measured.ok()) {
+      std::cerr << "culling_probe: frame " << i << ": " << measured.reason << '\n';
+      return 1;
+    }
     const auto& removed = removals.find(
         result.culling,
         frame.has_detections ? frame.detections : srslam::ArrayView<const srslam::Detection>());
 
-    std::array<int, 2> counts{};
-    std::array<int, 2> inliers{};
-    std::array<std::array<int, 2>, kWays.size()> gone{};
+    kinds.clear();
+    std::array<int, kNumKinds> counts{};
+    std::array<int, kNumKinds> inliers{};
+    std::array<std::array<int, kNumKinds>, kWays.size()> gone{};
     for (std::size_t k = 0; k < result.features.size; ++k) {
-      const std::size_t moves = on_mover(mask, result.features[k]) ? 1 : 0;
-      ++counts[moves];
-      if (result.labels[k] == srslam::FeatureLabel::kInlier) ++inliers[moves];
-      for (std::size_t way = 0; way < kWays.size(); ++way) gone[way][moves] += removed[way][k];
+      const Kind kind = kind_of(motion_truth, result.features[k]);
+      kinds.push_back(kind);
+      ++counts[kind];
+      if (result.labels[k] == srslam::FeatureLabel::kInlier) ++inliers[kind];
+      for (std::size_t way = 0; way < kWays.size(); ++way) gone[way][kind] += removed[way][k];
     }
     double error_m = std::nan("");
     double error_rad = std::nan("");
     const srslam::DominantMotionResult& motion = result.culling.regions.motion;
-    if (i > 0 && truth[i] != nullptr && truth[i - 1] != nullptr && motion.status.ok() &&
+    if (truth[i] != nullptr && truth[i - 1] != nullptr && motion.status.ok() &&
         motion.model == srslam::FlowModel::kRigid) {
       const Pose error = truth[i]->inverse() * *truth[i - 1] * motion.T_current_reference.inverse();
       const srslam::Vector6 tangent = srslam::se3_log(error);
@@ -215,10 +227,14 @@ int probe(int argc, char** argv) {
     }
     out << i << ',' << to_string(result.culling.removal.branch) << ','
         << to_string(result.scene.scene_class) << ',' << result.scene.reliability << ','
-        << result.scene.terms.residual_px << ',' << to_string(result.state) << ',' << counts[0]
-        << ',' << counts[1] << ',' << inliers[0] << ',' << inliers[1] << ',' << error_m << ','
+        << result.scene.terms.residual_px << ',' << to_string(result.state) << ',' << error_m << ','
         << error_rad;
-    for (const auto& [still, moving] : gone) out << ',' << still << ',' << moving;
+    for (std::size_t kind = 0; kind < kNumKinds; ++kind) {
+      out << ',' << counts[kind] << ',' << inliers[kind];
+    }
+    for (const auto& of_way : gone) {
+      for (const int of_kind : of_way) out << ',' << of_kind;
+    }
     out << '\n';
 
     if (std::find(settings.picture_frames.begin(), settings.picture_frames.end(), i) ==
@@ -233,7 +249,7 @@ int probe(int argc, char** argv) {
         continue;
       }
       columns.push_back(
-          picture_of(loaded.gray.view(), result, mask, removed[way], kWays[way].title));
+          picture_of(loaded.gray.view(), result, kinds, removed[way], kWays[way].title));
     }
     if (columns.empty()) {
       std::cerr << "culling_probe: --picture-ways names none of the ways\n";
