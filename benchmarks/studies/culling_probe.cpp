@@ -4,9 +4,11 @@
 //
 // The dataset is one of `srslam synth`. A feature moves when it has moved by itself by more than
 // 1 px (at 640 pixels of width) since the frame before; on a mover it rests when by less; all else
-// is room. Writes one line a frame: how many features of each kind every way removes, and how far
-// the camera's motion of stage 1 is from the truth. culling_scores.py makes a table of these files.
-// The picture shows the chosen frames, a column for each way.
+// is room. A corner on a contour is the work of the nearer surface and moves with it, also where
+// its pixel shows what is behind; --at-pixel does not ask for that. Writes one line a frame: how
+// many features of each kind every way removes, and how far the camera's motion of stage 1 is from
+// the truth. culling_scores.py makes a table of these files. The picture shows the chosen frames, a
+// column for each way.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -99,13 +101,16 @@ class Removals {
 enum Kind : std::size_t { kRoom, kResting, kMoving, kNumKinds };
 constexpr std::array<const char*, kNumKinds> kKindNames = {"room", "resting", "moving"};
 
-Kind kind_of(const srslam::studies::TrueMotion& truth, const srslam::Feature& feature) {
+/// Of the surface that owns the feature; with `at_pixel` of the one that its pixel shows.
+Kind kind_of(const srslam::studies::TrueMotion& truth, const srslam::Feature& feature,
+             bool at_pixel) {
+  constexpr float kFastRadius_px = 3.0F;  // of the circle that makes a corner, at its level
+  const Eigen::Vector2i pixel =
+      truth.owner_of(feature.u_px, feature.v_px, at_pixel ? 0.0F : kFastRadius_px * feature.scale);
+  if (truth.instances()(pixel.x(), pixel.y()) == 0) return kRoom;
   const ImageView<const float> motion_px = truth.motion_px();
-  const int u = std::clamp(cvRound(feature.u_px), 0, motion_px.width_px - 1);
-  const int v = std::clamp(cvRound(feature.v_px), 0, motion_px.height_px - 1);
-  if (truth.instances()(u, v) == 0) return kRoom;
   // Negated, so that what moves out of the camera's domain moves.
-  return !(motion_px(u, v) <= motion_px.width_px / 640.0) ? kMoving : kResting;
+  return !(motion_px(pixel.x(), pixel.y()) <= motion_px.width_px / 640.0) ? kMoving : kResting;
 }
 
 /// One frame with the features as a way leaves them: green kept, red removed; where that is wrong,
@@ -139,6 +144,7 @@ struct ProbeSettings {
   std::string dataset;
   std::string output;
   std::string config;
+  bool at_pixel = false;
   std::string picture;
   std::vector<std::size_t> picture_frames;
   std::vector<std::string> picture_ways;
@@ -150,6 +156,7 @@ int probe(int argc, char** argv) {
   app.add_option("--dataset", settings.dataset, "Rendered sequence with masks")->required();
   app.add_option("--output", settings.output, "CSV file to write")->required();
   app.add_option("--config", settings.config, "Pipeline configuration");
+  app.add_flag("--at-pixel", settings.at_pixel, "Features move as what their pixel shows");
   app.add_option("--picture", settings.picture, "Picture to write");
   app.add_option("--picture-frames", settings.picture_frames, "Rows")->delimiter(',');
   app.add_option("--picture-ways", settings.picture_ways, "Columns")->delimiter(',');
@@ -209,7 +216,7 @@ int probe(int argc, char** argv) {
     std::array<int, kNumKinds> inliers{};
     std::array<std::array<int, kNumKinds>, kWays.size()> gone{};
     for (std::size_t k = 0; k < result.features.size; ++k) {
-      const Kind kind = kind_of(motion_truth, result.features[k]);
+      const Kind kind = kind_of(motion_truth, result.features[k], settings.at_pixel);
       kinds.push_back(kind);
       ++counts[kind];
       if (result.labels[k] == srslam::FeatureLabel::kInlier) ++inliers[kind];

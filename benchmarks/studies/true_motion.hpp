@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -75,6 +76,28 @@ class TrueMotion {
       }
     }
     return status;
+  }
+
+  /// Pixel of the surface to which a corner belongs that is seen within `radius_px` of (u, v): the
+  /// nearest one to the camera if there is a step in depth, else that of its own pixel.
+  Eigen::Vector2i owner_of(float u_px, float v_px, float radius_px) const {
+    constexpr float kStep = 0.95F;  // of the depth
+    const ImageView<const float> depth_m = frame_.true_depth_m.view();
+    const Eigen::Vector2i own(std::clamp(cvRound(u_px), 0, depth_m.width_px - 1),
+                              std::clamp(cvRound(v_px), 0, depth_m.height_px - 1));
+    const int reach = static_cast<int>(radius_px);
+    Eigen::Vector2i nearest = own;
+    for (int v = own.y() - reach; v <= own.y() + reach; ++v) {
+      for (int u = own.x() - reach; u <= own.x() + reach; ++u) {
+        if (u < 0 || v < 0 || u >= depth_m.width_px || v >= depth_m.height_px) continue;
+        const Eigen::Vector2i offset = Eigen::Vector2i(u, v) - own;
+        if (float(offset.squaredNorm()) > radius_px * radius_px || !(depth_m(u, v) > 0.0F))
+          continue;
+        if (!(depth_m(nearest.x(), nearest.y()) <= depth_m(u, v))) nearest = {u, v};
+      }
+    }
+    const bool step = depth_m(nearest.x(), nearest.y()) < kStep * depth_m(own.x(), own.y());
+    return step ? nearest : own;
   }
 
   ImageView<const std::uint8_t> instances() const { return frame_.instances.view(); }

@@ -8,7 +8,7 @@
 namespace srslam::detail {
 
 CullingReport CullingModule::cull(const PipelineFrame& frame, const SceneReport& report,
-                                  SceneModule* scene) {
+                                  const Pose* tracked_T_current_previous, SceneModule* scene) {
   CullingReport result;
   result.status = report.status;
   if (!result.status.ok()) {
@@ -22,7 +22,12 @@ CullingReport CullingModule::cull(const PipelineFrame& frame, const SceneReport&
   if (frame.has_detections) input.detections = frame.detections;
   input.object_mask = frame.object_mask;
   input.scene_class = report.scene_class;
-  if (report.has_step_motion) input.predicted_T_current_previous = &report.T_current_previous;
+  // Tracking sees what is left of earlier frames and is not led astray by what fills this one.
+  if (tracked_T_current_previous != nullptr) {
+    input.predicted_T_current_previous = tracked_T_current_previous;
+  } else if (report.has_step_motion) {
+    input.predicted_T_current_previous = &report.T_current_previous;
+  }
   suspicions_.resize(tracks_.size());
   result.regions =
       find_dynamic_regions(input, camera_, options_.regions, regions_workspace_, suspicions_);

@@ -17,7 +17,9 @@ class CullingModule {
 
   /// Which features go. To be called for every frame, after `scene` has assessed it: the next frame
   /// is compared with this one. A frame that `scene` could not judge is not judged here, either.
-  CullingReport cull(const PipelineFrame& frame, const SceneReport& report, SceneModule* scene);
+  /// `tracked_T_current_previous`: the camera's motion as tracking expects it, null when unknown.
+  CullingReport cull(const PipelineFrame& frame, const SceneReport& report,
+                     const Pose* tracked_T_current_previous, SceneModule* scene);
 
   /// Of the last frame, a place for each feature.
   ArrayView<const CullingVerdict> verdicts() const { return verdicts_; }

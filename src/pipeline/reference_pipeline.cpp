@@ -102,7 +102,10 @@ Status ReferencePipeline::Impl::check(const PipelineFrame& input) const {
 
 void ReferencePipeline::Impl::cull(const PipelineFrame& input, PipelineResult* result) {
   all_features = frame.features;
-  result->culling = culling->cull(input, result->scene, scene.get());
+  Pose T_current_previous;
+  const bool is_predicted = tracker.predict_step(input.timestamp_s, &T_current_previous);
+  result->culling = culling->cull(input, result->scene,
+                                  is_predicted ? &T_current_previous : nullptr, scene.get());
   result->has_culling = result->culling.status.ok();
   if (!result->has_culling) return;
   const ArrayView<const CullingVerdict> verdicts = result->culling.verdicts;

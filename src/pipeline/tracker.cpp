@@ -38,6 +38,13 @@ Pose Tracker::predict(double timestamp_s) const {
   return predicted.matrix().allFinite() ? predicted : T_world_last_frame;
 }
 
+bool Tracker::predict_step(double timestamp_s, Pose* T_current_previous) const {
+  const double gap_s = timestamp_s - last_timestamp_s_;
+  if (!has_last_ || !has_velocity_ || !(gap_s > 0.0) || gap_s > kMaxPredictionGap_s) return false;
+  *T_current_previous = predict(timestamp_s).inverse() * T_world_last();
+  return true;
+}
+
 bool Tracker::solve_matches(const Pose& T_world_camera_guess, FeatureFrame* frame,
                             Pose* T_world_camera) {
   const TrackingCamera& camera = map_->camera();

@@ -35,6 +35,10 @@ class Tracker {
   void remember(double timestamp_s, const Pose& T_world_camera, std::int32_t reference_keyframe,
                 bool tracked, FeatureFrame* frame);
 
+  /// Motion of the camera from the last frame to this one [T_current_previous] if it moves on as it
+  /// did; false when the last two frames were not both tracked.
+  bool predict_step(double timestamp_s, Pose* T_current_previous) const;
+
   const FeatureFrame& last_frame() const { return last_frame_; }
 
  private:

@@ -38,6 +38,7 @@ CullingInput random_culling_input(Rng& rng) {
   input.frame.reliability = {rng.uniform(0.0, 1.0), rng.uniform(0.0, 2.0)};
   input.frame.residual_px = rng.uniform(0.0, 4.0);
   input.options.clustering.eps_base = rng.uniform(0.005, 0.05);
+  input.options.cluster_reach = rng.uniform(0.0, 4.0);
   input.options.min_kept_share = 0.0;  // the branch as printed; see the test of the other
   input.options.clustering.group_depths = rng.uniform(0.0, 1.0) < 0.8;
   if (rng.coin()) input.options.clustered = ClusteredFeatures::kPotential;
@@ -100,25 +101,19 @@ std::vector<CullingVerdict> refined_by_definition(const CullingInput& input) {
   };
   const std::array<float, 2> unit =
       detail::image_unit(input.options.clustering.space, input.camera);
-  const float eps_squared = float(clusters.eps) * float(clusters.eps);
+  const auto reach = float(input.options.cluster_reach * clusters.eps);
   for (std::size_t k = 0; k < labels.size(); ++k) {
     if (is_dynamic(labels[k])) verdicts[index[k]] = CullingVerdict::kInCluster;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    if (verdicts[i] != CullingVerdict::kKept) continue;
+    if (verdicts[i] != CullingVerdict::kKept || input.features[i].moves_with_camera) continue;
     const FlowPoint& point = input.points[i];
     for (std::size_t k = 0; k < labels.size(); ++k) {
       if (!is_dynamic(labels[k]) || workspace.kinds[k] != PointKind::kCore) continue;
       const FlowPoint& core = clustered[k];
       const float du = core.u_px * unit[0] - point.u_px * unit[0];
       const float dv = core.v_px * unit[1] - point.v_px * unit[1];
-      if (!(du * du + dv * dv <= eps_squared)) continue;
-      const bool both_deep = is_valid_depth(point.depth_m) && is_valid_depth(core.depth_m);
-      const bool none_deep = !is_valid_depth(point.depth_m) && !is_valid_depth(core.depth_m);
-      if (!input.options.clustering.group_depths || none_deep ||
-          (both_deep && std::abs(point.depth_m - core.depth_m) <= clusters.depth.threshold_m)) {
-        verdicts[i] = CullingVerdict::kNearCluster;
-      }
+      if (du * du + dv * dv <= reach * reach) verdicts[i] = CullingVerdict::kNearCluster;
     }
   }
   return verdicts;

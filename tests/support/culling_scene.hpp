@@ -83,6 +83,9 @@ inline std::vector<FeatureSuspicion> random_suspicions(std::size_t n, Rng& rng) 
     feature.in_object = rng.uniform(0.0, 1.0) < object_share;
     feature.near_anomaly =
         !feature.anomalous() && !feature.in_object && rng.uniform(0.0, 1.0) < 0.2;
+    feature.flow_tested = rng.uniform(0.0, 1.0) < 0.8;
+    feature.moves_with_camera =
+        feature.flow_tested && !feature.anomalous() && rng.uniform(0.0, 1.0) < 0.7;
   }
   return features;
 }

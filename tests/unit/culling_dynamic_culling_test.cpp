@@ -43,6 +43,13 @@ FeatureSuspicion in_object() {
   return feature;
 }
 
+FeatureSuspicion seen_static() {
+  FeatureSuspicion feature = in_object();
+  feature.flow_tested = true;
+  feature.moves_with_camera = true;
+  return feature;
+}
+
 struct Culled {
   DynamicCullingResult result;
   std::vector<CullingVerdict> verdicts;
@@ -58,7 +65,7 @@ Culled cull(const SuspectScene& scene, const DynamicCullingOptions& options,
   return culled;
 }
 
-/// A frame at the anchors of the adaptation: eps 12.8 px, three points.
+/// A frame at the anchors of the adaptation: eps 38.4 px, three points.
 CullingFrame quiet_frame(double residual_px = 1.0) {
   CullingFrame frame;
   frame.reliability = {0.2, 1.0};
@@ -70,8 +77,8 @@ CullingFrame quiet_frame(double residual_px = 1.0) {
 SuspectScene two_people() {
   SuspectScene scene;
   scene.add_row(100.0F, 100.0F, 2.0F, 5, anomaly());           // 0..4: moves
-  scene.add_row(106.0F, 104.0F, 2.05F, 2, in_object());        // 5, 6: near them, as deep
-  scene.add_row(106.0F, 96.0F, 3.5F, 2, in_object());          // 7, 8: near them, behind
+  scene.add_row(106.0F, 104.0F, 2.05F, 2, in_object());        // 5, 6: near them, untested
+  scene.add_row(106.0F, 96.0F, 2.05F, 2, seen_static());       // 7, 8: near them, the room
   scene.add_row(300.0F, 100.0F, 2.0F, 2, anomaly());           // 9, 10: too few for a cluster
   scene.add_row(302.0F, 110.0F, 2.0F, 3, in_object());         // 11..13: with those
   scene.add_row(500.0F, 300.0F, 4.0F, 3, FeatureSuspicion{});  // 14..16: the room
@@ -94,12 +101,35 @@ TEST(DynamicCulling, RemovesClustersOfAnomaliesAndWhatIsNearThem) {
   EXPECT_EQ(culled.result.num_kept_potential, 7);
 }
 
-TEST(DynamicCulling, WithoutDepthGroupsWhatIsBehindGoesToo) {
-  DynamicCullingOptions options;
-  options.clustering.group_depths = false;
-  const Culled culled = cull(two_people(), options, quiet_frame());
-  EXPECT_EQ(culled.verdicts[7], CullingVerdict::kNearCluster);
-  EXPECT_EQ(culled.result.num_removed, 9);
+TEST(DynamicCulling, AClusterReachesAMultipleOfEps) {
+  // eps 38.4 px; the last core point is at u = 104 px.
+  SuspectScene scene;
+  scene.add_row(100.0F, 100.0F, 2.0F, 5, anomaly());
+  for (const float u_px : {142.0F, 143.0F, 219.0F, 220.0F}) {
+    scene.add_row(u_px, 100.0F, 3.5F, 1, in_object());
+  }
+  const auto num_removed = [&](double reach) {
+    DynamicCullingOptions options;
+    options.cluster_reach = reach;
+    return cull(scene, options, quiet_frame()).result.num_removed;
+  };
+  EXPECT_EQ(num_removed(0.0), 5);
+  EXPECT_EQ(num_removed(1.0), 6);
+  EXPECT_EQ(num_removed(2.0), 7);
+  EXPECT_EQ(num_removed(3.0), 8);
+  EXPECT_EQ(num_removed(DynamicCullingOptions{}.cluster_reach), 8);
+  EXPECT_EQ(num_removed(100.0), 9);
+}
+
+TEST(DynamicCulling, AnAnomalyThatIsNoiseNearAClusterGoes) {
+  SuspectScene scene;
+  scene.add_row(100.0F, 100.0F, 2.0F, 5, anomaly());
+  scene.add_row(170.0F, 100.0F, 2.0F, 1, anomaly());
+  scene.add_row(110.0F, 100.0F, 4.0F, 1, anomaly());  // of another depth group
+  const Culled culled = cull(scene, {}, quiet_frame());
+  EXPECT_EQ(culled.result.num_removed_in_clusters, 5);
+  EXPECT_EQ(culled.verdicts[5], CullingVerdict::kNearCluster);
+  EXPECT_EQ(culled.verdicts[6], CullingVerdict::kNearCluster);
 }
 
 TEST(DynamicCulling, BranchesOnTheResidualAboveItsLimitOnly) {
@@ -197,8 +227,7 @@ TEST(DynamicCulling, WorksInEverySpaceAndWithoutDepth) {
   }
   SuspectScene without_depth = two_people();
   for (FlowPoint& point : without_depth.points) point.depth_m = 0.0F;
-  const Culled culled = cull(without_depth, {}, quiet_frame());
-  EXPECT_EQ(culled.result.num_removed, 9) << "what is behind cannot be told";
+  EXPECT_EQ(cull(without_depth, {}, quiet_frame()).result.num_removed, 7);
 }
 
 TEST(DynamicCulling, RefusesWhatItCannotDo) {
@@ -213,7 +242,7 @@ TEST(DynamicCulling, RefusesWhatItCannotDo) {
   CullingFrame frame = quiet_frame();
   frame.reliability.scene = test::kNan;
   EXPECT_EQ(code_of({}, frame), StatusCode::kInvalidArgument);
-  DynamicCullingOptions bad[7];
+  DynamicCullingOptions bad[9];
   bad[0].high_motion_px = 0.0;
   bad[1].high_motion_raw_px = test::kInf;
   bad[2].min_anomalous_share = 1.1;
@@ -221,6 +250,8 @@ TEST(DynamicCulling, RefusesWhatItCannotDo) {
   bad[4].high_motion_px = test::kNan;
   bad[5].min_kept_share = -0.1;
   bad[6].min_kept_share = test::kNan;
+  bad[7].cluster_reach = -0.1;
+  bad[8].cluster_reach = test::kInf;
   for (const DynamicCullingOptions& options : bad) {
     EXPECT_EQ(code_of(options, quiet_frame()), StatusCode::kInvalidArgument);
   }

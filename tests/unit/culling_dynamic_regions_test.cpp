@@ -115,6 +115,52 @@ TEST(DynamicRegions, FindWhatMovesOtherwiseThanTheCamera) {
   }
 }
 
+TEST(DynamicRegions, WhatFollowsTheCameraIsSeenTo) {
+  FlowScene scene;
+  scene.mover_share = 0.25;
+  scene.T_mover = flow_pose(-0.1, 0.15, 0.02, 0.0, 0.0, 0.1);
+  const std::vector<FlowTrack> tracks = scene.tracks();
+  DynamicRegionOptions options;
+  options.static_px = 0.25;
+  const Regions regions = regions_of(scene, tracks, options);
+  int num_static = 0;
+  int num_followers = 0;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const FeatureSuspicion& feature = regions.features[i];
+    EXPECT_EQ(feature.moves_with_camera,
+              feature.flow_tested && !feature.anomalous() && feature.flow_px <= 0.25F);
+    if (!tracks[i].alive) continue;
+    EXPECT_FALSE(is_mover(tracks[i]) && feature.moves_with_camera);
+    num_static += is_mover(tracks[i]) ? 0 : 1;
+    num_followers += feature.moves_with_camera ? 1 : 0;
+  }
+  EXPECT_GT(num_followers, 0.2 * num_static);
+  EXPECT_LT(num_followers, num_static) << "some are further off than a quarter of a pixel";
+}
+
+TEST(DynamicRegions, ADepthOfThisFrameStandsForOneThatThePreviousLacks) {
+  FlowScene scene;
+  scene.mover_share = 0.25;
+  scene.detected_share = 0.0;
+  scene.T_mover = flow_pose(-0.1, 0.15, 0.02, 0.0, 0.0, 0.1);
+  const std::vector<FlowTrack> tracks = scene.tracks();
+  const Regions whole = regions_of(scene, tracks);
+  std::vector<FlowTrack> lacking = tracks;
+  for (std::size_t i = 0; i < tracks.size(); i += 3) lacking[i].reference.depth_m = 0.0F;
+  DynamicRegionOptions options;
+  options.use_depth = true;
+  const Regions regions = regions_of(scene, lacking, options);
+  for (std::size_t i = 0; i < tracks.size(); i += 3) {
+    if (!tracks[i].alive) continue;
+    EXPECT_TRUE(regions.features[i].flow_tested);
+    EXPECT_FALSE(regions.features[i].depth_tested) << "there are no two depths to compare";
+    EXPECT_EQ(regions.features[i].anomalous(), whole.features[i].anomalous());
+    if (!is_mover(tracks[i])) {
+      EXPECT_NEAR(regions.features[i].flow_px, whole.features[i].flow_px, 0.5F);
+    }
+  }
+}
+
 TEST(DynamicRegions, EpipolarGeometrySeesMotionAcrossItsLinesOnly) {
   FlowScene scene;
   scene.T_current_reference = flow_pose(0.08, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -402,7 +448,8 @@ TEST(DynamicRegions, RefuseWhatTheyCannotDo) {
   const auto code_of = [&](const DynamicRegionOptions& options) {
     return regions_of(scene, tracks, options).result.status.code;
   };
-  DynamicRegionOptions bad[12];
+  DynamicRegionOptions bad[13];
+  bad[12].static_px = 0.0;
   bad[0].flow_px = 0.0;
   bad[1].flow_sigmas = -1.0;
   bad[2].epipolar_px = test::kNan;

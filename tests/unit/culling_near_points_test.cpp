@@ -1,7 +1,5 @@
 #include "srslam/culling/near_points.hpp"
 
-#include <cstddef>
-
 #include <gtest/gtest.h>
 
 #include "support/constants.hpp"
@@ -20,15 +18,6 @@ TEST(NearPoints, AreWithinTheRadiusThatIsIncluded) {
   points.clear();
   points.add(200.0F, 0.0F);
   EXPECT_FALSE(points.any_near(0.0F, 0.0F, 5.0F)) << "what was cleared is gone";
-}
-
-TEST(NearPoints, MayBeRefused) {
-  NearPoints points;
-  for (int i = 0; i < 9; ++i) points.add(float(i), 0.0F);
-  EXPECT_TRUE(
-      points.any_near(4.0F, 0.0F, 1.0F, 0, points.size(), [](std::size_t i) { return i == 5; }));
-  EXPECT_FALSE(
-      points.any_near(4.0F, 0.0F, 1.0F, 0, points.size(), [](std::size_t i) { return i == 6; }));
 }
 
 TEST(NearPoints, WithoutANumberAreNearNothing) {

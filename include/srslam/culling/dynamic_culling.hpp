@@ -66,6 +66,9 @@ struct DynamicCullingOptions {
   /// without features is lost. [0, 1], 0 as printed
   double min_kept_share = 0.1;
   ClusteredFeatures clustered = ClusteredFeatures::kAnomalies;
+  /// Reach of a dynamic cluster around its core points, as a multiple of eps: potential features
+  /// within it go unless they are seen to move with the camera. >= 0
+  double cluster_reach = 3.0;
   double min_anomalous_share = 0.3;  ///< of a dynamic cluster (kPotential); [0, 1]
   AdaptiveDbscanOptions clustering;
 
@@ -80,6 +83,9 @@ struct DynamicCullingOptions {
     }
     if (!(min_kept_share >= 0.0) || min_kept_share > 1.0) {
       return bad("min_kept_share must be in [0, 1]");
+    }
+    if (!(cluster_reach >= 0.0) || !std::isfinite(cluster_reach)) {
+      return bad("cluster_reach must be finite and not negative");
     }
     if (!(min_anomalous_share >= 0.0) || min_anomalous_share > 1.0) {
       return bad("min_anomalous_share must be in [0, 1]");
@@ -103,7 +109,8 @@ enum class CullingVerdict : std::uint8_t {
   kKept,         ///< potential, but in no dynamic cluster
   kAggressive,   ///< removed with all potential ones
   kInCluster,    ///< removed: of a dynamic cluster
-  kNearCluster,  ///< removed: potential, near a core point of a dynamic cluster in its depth
+  kNearCluster,  ///< removed: potential, near a core point of a dynamic cluster, not moving
+                 ///< with the camera
 };
 
 constexpr bool is_removed(CullingVerdict verdict) noexcept {
@@ -131,8 +138,7 @@ struct DynamicCullingWorkspace {
   std::vector<std::uint8_t> is_dynamic;  ///< of each cluster
   std::vector<int> num_anomalous, num_members;
   std::vector<float> potential_depth_m;
-  NearPoints core;  ///< core points of dynamic clusters, by depth, then those without
-  std::vector<float> core_depth_m;
+  NearPoints core;  ///< core points of dynamic clusters
 };
 
 namespace detail {
@@ -216,66 +222,33 @@ class RefinedCulling {
     }
   }
 
-  /// The core points of dynamic clusters in the order in which their depths were grouped.
-  void collect_core_points() {
-    w_.core.clear();
-    w_.core_depth_m.clear();
-    unit_ =
-        image_unit(options_.clustering.space == ClusterSpace::kMetric ? ClusterSpace::kImageWidth
-                                                                      : options_.clustering.space,
-                   camera_);
-    const auto add_core = [this](std::size_t k) {
-      if (!in_dynamic_cluster(k) || w_.dbscan.kinds[k] != PointKind::kCore) return;
-      w_.core.add(w_.points[k].u_px * unit_[0], w_.points[k].v_px * unit_[1]);
-      w_.core_depth_m.push_back(w_.points[k].depth_m);
-    };
-    for (const auto& [depth_m, k] : w_.dbscan.depth_groups.sorted) add_core(k);
-    num_deep_core_ = w_.core.size();
-    for (std::size_t k = 0; k < w_.points.size(); ++k) {
-      if (!is_valid_depth(w_.points[k].depth_m)) add_core(k);
-    }
-  }
-
-  /// Core points among which all are that same_depth() may accept.
-  std::pair<std::size_t, std::size_t> core_range(float depth_m) const {
-    if (!options_.clustering.group_depths) return {0, w_.core.size()};
-    if (!is_valid_depth(depth_m)) return {num_deep_core_, w_.core.size()};
-    const float limit_m = result_.clusters.depth.threshold_m;
-    const float rounding_m = 1e-6F * (depth_m + limit_m);
-    const auto begin = w_.core_depth_m.begin();
-    const auto end = begin + std::ptrdiff_t(num_deep_core_);
-    const auto first = std::lower_bound(begin, end, depth_m - limit_m - rounding_m);
-    const auto last = std::upper_bound(first, end, depth_m + limit_m + rounding_m);
-    return {std::size_t(first - begin), std::size_t(last - begin)};
-  }
-
-  /// The final dynamic regions: what is potential, within eps of a core point and of its depth.
+  /// The final dynamic regions: what is potential, near a core point, and not seen to move with the
+  /// camera. Depth has no say here: a corner on the contour of a mover moves with it and has the
+  /// depth of what is behind, or none, so that no flow could be tested.
   void remove_neighbors() {
-    collect_core_points();
-    if (w_.core.size() == 0) return;
+    const AdaptiveDbscanOptions& clustering = options_.clustering;
     // Metric eps is no distance in the image: there the base value in image widths bounds the
     // region.
-    const auto eps = float(options_.clustering.space == ClusterSpace::kMetric
-                               ? AdaptiveDbscanOptions{}.eps_base * result_.clusters.eps_scale
-                               : result_.clusters.eps);
+    const bool metric = clustering.space == ClusterSpace::kMetric;
+    const std::array<float, 2> unit =
+        image_unit(metric ? ClusterSpace::kImageWidth : clustering.space, camera_);
+    const auto reach = float(options_.cluster_reach *
+                             (metric ? AdaptiveDbscanOptions{}.eps_base * result_.clusters.eps_scale
+                                     : result_.clusters.eps));
+    w_.core.clear();
+    for (std::size_t k = 0; k < w_.points.size(); ++k) {
+      if (!in_dynamic_cluster(k) || w_.dbscan.kinds[k] != PointKind::kCore) continue;
+      w_.core.add(w_.points[k].u_px * unit[0], w_.points[k].v_px * unit[1]);
+    }
+    if (w_.core.size() == 0) return;
     for (std::size_t i = 0; i < points_.size; ++i) {
-      if (!features_[i].potential() || is_removed(verdicts_[i])) continue;
-      const FlowPoint& point = points_[i];
-      const auto [begin, end] = core_range(point.depth_m);
-      if (!w_.core.any_near(
-              point.u_px * unit_[0], point.v_px * unit_[1], eps, begin, end,
-              [&](std::size_t k) { return same_depth(point.depth_m, w_.core_depth_m[k]); })) {
+      if (!features_[i].potential() || features_[i].moves_with_camera || is_removed(verdicts_[i]) ||
+          !w_.core.any_near(points_[i].u_px * unit[0], points_[i].v_px * unit[1], reach)) {
         continue;
       }
       verdicts_[i] = CullingVerdict::kNearCluster;
       ++result_.num_removed_near_clusters;
     }
-  }
-
-  bool same_depth(float a_m, float b_m) const {
-    if (!options_.clustering.group_depths) return true;
-    if (is_valid_depth(a_m) != is_valid_depth(b_m)) return false;
-    return !is_valid_depth(a_m) || std::abs(a_m - b_m) <= result_.clusters.depth.threshold_m;
   }
 
   ArrayView<const FlowPoint> points_;
@@ -286,16 +259,15 @@ class RefinedCulling {
   DynamicCullingWorkspace& w_;
   ArrayView<CullingVerdict> verdicts_;
   DynamicCullingResult& result_;
-  std::array<float, 2> unit_{};
-  std::size_t num_deep_core_ = 0;  ///< core points that have depth
 };
 
 }  // namespace detail
 
 /// Which potential features go (Algorithm 1, stage 2). While initializing, and when the residual is
 /// not above the limit, anomalies are clustered (depth-assisted adaptive DBSCAN, Eq. 9-14):
-/// clusters go, and with them the potential features near their core points; anomalies that are
-/// noise stay. At high motion every potential feature goes, if that leaves enough.
+/// clusters go, and with them the potential features near their core points unless they are seen to
+/// move with the camera; anomalies that are noise and not near a cluster stay. At high motion every
+/// potential feature goes, if that leaves enough.
 ///
 /// `points` are the features of the frame, `features` what stage 1 says of them, `verdicts` has a
 /// place for each. The same input gives the same bits; allocates only while the workspace grows.

@@ -17,6 +17,7 @@
 #include "srslam/core/image_view.hpp"
 #include "srslam/core/pose.hpp"
 #include "srslam/core/status.hpp"
+#include "srslam/culling/depth_groups.hpp"
 #include "srslam/culling/epipolar_geometry.hpp"
 #include "srslam/culling/near_points.hpp"
 #include "srslam/scene/classification.hpp"
@@ -39,6 +40,7 @@ struct DynamicRegionOptions {
   /// ... or so many robust standard deviations (1.4826 MAD) of the tracks outside boxes, if that is
   /// more. >= 0
   double flow_sigmas = 3.0;
+  double static_px = 1.0;  ///< deviation up to which a track moves with the camera; > 0
 
   bool use_epipolar = true;  ///< in GOOD frames, where there is a geometry to speak of
   EpipolarSource epipolar_source = EpipolarSource::kCameraMotion;
@@ -74,8 +76,8 @@ struct DynamicRegionOptions {
     };
     const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
     const auto not_negative = [](double x) { return x >= 0.0 && std::isfinite(x); };
-    if (!positive(flow_px) || !positive(epipolar_px)) {
-      return bad("flow_px and epipolar_px must be positive and finite");
+    if (!positive(flow_px) || !positive(epipolar_px) || !positive(static_px)) {
+      return bad("flow_px, static_px and epipolar_px must be positive and finite");
     }
     if (!not_negative(flow_sigmas)) return bad("flow_sigmas must be finite and not negative");
     if (!not_negative(min_median_flow_px)) {
@@ -110,9 +112,10 @@ struct FeatureSuspicion {
   bool flow_tested = false;
   bool epipolar_tested = false;
   bool depth_tested = false;
-  float flow_px = 0.0F;        ///< deviation from the camera's motion [px of this image]
-  float epipolar_px = 0.0F;    ///< Sampson distance [px of this image]
-  float depth_error_m = 0.0F;  ///< measured minus predicted
+  bool moves_with_camera = false;  ///< flow tested, no anomaly, deviation at most static_px
+  float flow_px = 0.0F;            ///< deviation from the camera's motion [px of this image]
+  float epipolar_px = 0.0F;        ///< Sampson distance [px of this image]
+  float depth_error_m = 0.0F;      ///< measured minus predicted
 
   bool anomalous() const noexcept { return anomalies != kNoAnomaly; }
   bool potential() const noexcept { return in_object || near_anomaly || anomalous(); }
@@ -267,6 +270,7 @@ class RegionFinder {
     test_flow();
     test_epipolar();
     test_depth();
+    mark_static();
     mark_neighborhoods();
     count();
   }
@@ -281,6 +285,10 @@ class RegionFinder {
       // Where it came from was judged by the boxes of then, which are not known here.
       track.current.suspect = features_[i].in_object;
       track.reference.suspect = features_[i].in_object;
+      // From one frame to the next a depth hardly changes: the one at hand stands for the other.
+      if (track.alive && !is_valid_depth(track.reference.depth_m)) {
+        track.reference.depth_m = track.current.depth_m;
+      }
       if (track.alive) ++result_.num_tracked;
     }
   }
@@ -493,8 +501,8 @@ class RegionFinder {
     }
     result_.depth = SkippedTest::kNotSkipped;
     Eigen::Vector3d point_m;
-    for (std::size_t i = 0; i < w_.tracks.size(); ++i) {
-      const FlowTrack& track = w_.tracks[i];
+    for (std::size_t i = 0; i < input_.tracks.size; ++i) {
+      const FlowTrack& track = input_.tracks[i];
       const auto measured_m = double(track.current.depth_m);
       if (!track.alive || !(measured_m > 0.0) || !std::isfinite(measured_m) ||
           !camera_.unproject({double(track.reference.u_px), double(track.reference.v_px)},
@@ -511,6 +519,13 @@ class RegionFinder {
           std::max(options_.min_depth_error_m, options_.depth_sigmas * noise_m)) {
         feature.anomalies |= kDepthAnomaly;
       }
+    }
+  }
+
+  void mark_static() {
+    for (FeatureSuspicion& feature : features_) {
+      feature.moves_with_camera = feature.flow_tested && !feature.anomalous() &&
+                                  double(feature.flow_px) <= options_.static_px * px_scale_;
     }
   }
 

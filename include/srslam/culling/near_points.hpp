@@ -25,20 +25,14 @@ class NearPoints {
 
   std::size_t size() const noexcept { return size_; }
 
-  /// Whether one of the points [begin, end) lies within `radius` of (u, v), the radius included,
-  /// and accept(its number) takes it. Never where a coordinate is no number. O(end - begin).
-  template <typename Accept>
-  bool any_near(float u, float v, float radius, std::size_t begin, std::size_t end,
-                const Accept& accept) const {
+  /// Whether a point lies within `radius` of (u, v), the radius included. Never where a coordinate
+  /// is no number. O(points).
+  bool any_near(float u, float v, float radius) const {
     const detail::PointAxes<float, 2> points = {u_.data(), v_.data()};
     const detail::PointAxes<float, 2> query = {&u, &v};
     std::uint64_t num_comparisons = 0;
     return !detail::visit_neighbors(detail::NearTest<float, 2>(query, 0, radius * radius), points,
-                                    begin, end, num_comparisons,
-                                    [&](std::size_t k) { return !accept(k); });
-  }
-  bool any_near(float u, float v, float radius) const {
-    return any_near(u, v, radius, 0, size_, [](std::size_t) { return true; });
+                                    0, size_, num_comparisons, [](std::size_t) { return false; });
   }
 
  private:
