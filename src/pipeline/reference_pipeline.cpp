@@ -46,6 +46,7 @@ struct ReferencePipeline::Impl {
 
   Status check(const PipelineFrame& frame) const;
   void cull(const PipelineFrame& input, PipelineResult* result);
+  bool restore_untested(PipelineResult* result);
   void label_all_features();
   void initialize(const PipelineFrame& input, PipelineResult* result);
   void track(const PipelineFrame& input, PipelineResult* result);
@@ -66,6 +67,8 @@ struct ReferencePipeline::Impl {
   std::vector<FeatureLabel> labels;
   std::vector<Feature> all_features;  ///< with module D: those that were removed, too
   std::vector<FeatureLabel> all_labels;
+  std::vector<std::uint8_t> removed;  ///< with module D, of all features
+  FeatureFrame whole_frame;           ///< with module D: nothing removed
   std::vector<std::uint8_t> thumbnail;
   bool has_timestamp = false;
   double last_timestamp_s = 0.0;
@@ -109,16 +112,32 @@ void ReferencePipeline::Impl::cull(const PipelineFrame& input, PipelineResult* r
   result->has_culling = result->culling.status.ok();
   if (!result->has_culling) return;
   const ArrayView<const CullingVerdict> verdicts = result->culling.verdicts;
-  frame.remove_if([&](std::size_t i) { return is_removed(verdicts[i]); });
+  removed.assign(verdicts.size, 0);
+  for (std::size_t i = 0; i < removed.size(); ++i) removed[i] = is_removed(verdicts[i]) ? 1 : 0;
+  whole_frame = frame;
+  frame.remove_if([&](std::size_t i) { return removed[i] != 0; });
+}
+
+/// What went without having failed a test itself comes back; false when that is nothing.
+bool ReferencePipeline::Impl::restore_untested(PipelineResult* result) {
+  if (!result->has_culling) return false;
+  for (std::size_t i = 0; i < removed.size(); ++i) {
+    if (removed[i] == 0 || result->culling.suspicions[i].anomalous()) continue;
+    removed[i] = 0;
+    ++result->culling.num_restored;
+  }
+  if (result->culling.num_restored == 0) return false;
+  frame = whole_frame;
+  frame.remove_if([&](std::size_t i) { return removed[i] != 0; });
+  return true;
 }
 
 /// What became of the features that were not removed goes to their places among all.
 void ReferencePipeline::Impl::label_all_features() {
-  const ArrayView<const CullingVerdict> verdicts = culling->verdicts();
   all_labels.assign(all_features.size(), FeatureLabel::kCulled);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < all_labels.size(); ++i) {
-    if (!is_removed(verdicts[i])) all_labels[i] = labels[kept++];
+    if (removed[i] == 0) all_labels[i] = labels[kept++];
   }
 }
 
@@ -199,6 +218,9 @@ void ReferencePipeline::Impl::track(const PipelineFrame& input, PipelineResult* 
   detail::make_thumbnail(input.gray, &thumbnail);
   detail::TrackingOutcome outcome =
       tracker.track(input.timestamp_s, thumbnail, &frame, &labels, &result->times);
+  if (!outcome.tracked && restore_untested(result)) {
+    outcome = tracker.track(input.timestamp_s, thumbnail, &frame, &labels, &result->times);
+  }
   result->T_world_camera = outcome.T_world_camera;
   result->num_matches = outcome.num_matches;
   result->num_inliers = outcome.num_inliers;
@@ -218,8 +240,9 @@ void ReferencePipeline::Impl::track(const PipelineFrame& input, PipelineResult* 
       detail::decide_keyframe(keyframe_evidence(reference, outcome.num_inliers), options.keyframes,
                               options.tracking.min_inliers);
   // What moves is still among the features of such a frame, and would get into the map.
-  const bool mixed =
-      result->has_culling && result->culling.removal.branch == CullingBranch::kSparing;
+  const bool mixed = result->has_culling &&
+                     (result->culling.removal.branch == CullingBranch::kSparing ||
+                      result->culling.num_restored > 0);
   result->keyframe_reason = mixed ? "features that move could not be removed" : decision.reason;
   if (decision.insert && !mixed) insert_keyframe(input, &T_world_camera, &reference, result);
   tracked_poses.push_back(

@@ -231,15 +231,15 @@ TrackingOutcome Tracker::track(double timestamp_s, const std::vector<std::uint8_
                (track_from_last(predicted, kLastFrameRadius_px, frame, &outcome.T_world_camera) ||
                 track_from_last(predicted, kWideRadius_px, frame, &outcome.T_world_camera) ||
                 track_by_descriptor(T_world_last(), frame, &outcome.T_world_camera));
-  times->tracking_ms = stopwatch.lap_ms();
+  times->tracking_ms += stopwatch.lap_ms();
   if (found) {
     found = track_local_map(options_.tracking.min_inliers, frame, labels, &outcome);
-    times->local_map_ms = stopwatch.lap_ms();
+    times->local_map_ms += stopwatch.lap_ms();
   }
   if (!found) {
     const Relocalization relocalization = relocalizer_.find(
         *map_, map_->living_keyframe(last_reference_), frame_number_, thumbnail, frame);
-    times->relocalization_ms = stopwatch.lap_ms();
+    times->relocalization_ms += stopwatch.lap_ms();
     if (relocalization.status.ok()) {
       outcome.T_world_camera = relocalization.T_world_camera;
       found = track_local_map(options_.tracking.min_relocalized_inliers, frame, labels, &outcome);

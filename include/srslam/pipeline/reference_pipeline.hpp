@@ -85,6 +85,9 @@ struct CullingReport {
   ArrayView<const FlowPoint> points;  ///< where the features are, with their depth
   ArrayView<const FeatureSuspicion> suspicions;
   ArrayView<const CullingVerdict> verdicts;
+  /// Removed features that had failed no test themselves and came back, because the frame could not
+  /// be tracked without them; such a frame makes no keyframe.
+  int num_restored = 0;
 };
 
 struct PipelineResult {
