@@ -21,6 +21,11 @@ namespace srslam::detail {
 /// divided instead.
 constexpr double kBinWidthInEps = 1.0 + 1e-5;
 
+/// An axis is divided into bins only where those of the longer axes still hold so many points on
+/// average. With fewer the rows around a point are many and hold next to nothing: a walk over them
+/// takes longer than the distances that it spares (docs/dbscan.md).
+constexpr double kMinPointsPerBin = 20.0;
+
 /// Points sorted into rows of cells. Rows are the leaves of a tree with a level for every axis but
 /// that of the rows, so that the rows around one are found in time that does not depend on how far
 /// the points are spread; nothing is kept for empty space.
@@ -129,6 +134,16 @@ class DbscanGrid {
     std::sort(axis_of_digit_.begin(), axis_of_digit_.end(), [&](std::size_t a, std::size_t b) {
       return num_bins_[a] != num_bins_[b] ? num_bins_[a] > num_bins_[b] : a < b;
     });
+    double points_per_bin = double(num_points_);
+    for (std::size_t digit = 0; digit < kNumAxes; ++digit) {
+      const std::size_t axis = axis_of_digit_[digit];
+      if (digit > 0 && points_per_bin < kMinPointsPerBin) {
+        std::fill_n(buffers_.bins[axis].begin(), num_points_, 0U);
+        num_bins_[axis] = 1;
+      }
+      // The last bin is empty but for what rounding puts there.
+      points_per_bin /= std::max(1.0, double(num_bins_[axis]) - 1.0);
+    }
   }
 
   /// Bins for points with wide gaps, or with coordinates so large that they have few digits left
