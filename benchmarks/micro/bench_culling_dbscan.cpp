@@ -40,13 +40,35 @@ void cluster(benchmark::State& state, ClusterInput input, NeighborSearch search,
   state.SetComplexityN(state.range(0));
 }
 
+/// The same with another draw of the input in every call, as in a stream: nothing that the
+/// processor has learnt of one input (branches above all) helps with the next. 64 draws in turn.
+template <std::size_t D>
+void cluster_stream(benchmark::State& state, ClusterInput input, NeighborSearch search) {
+  constexpr std::size_t kNumFrames = 64;
+  const auto n = std::size_t(state.range(0));
+  DbscanOptions options;
+  std::vector<std::vector<std::array<float, D>>> frames;
+  for (std::size_t frame = 0; frame < kNumFrames; ++frame) {
+    frames.push_back(test::cluster_input<float, D>(input, n, &options, frame));
+  }
+  options.search = search;
+  DbscanWorkspace<float> workspace;
+  std::vector<std::int32_t> labels(n);
+  std::size_t frame = 0;
+  for (auto _ : state) {
+    dbscan(frames[frame], options, workspace, labels);
+    benchmark::DoNotOptimize(labels.data());
+    frame = (frame + 1) % kNumFrames;
+  }
+}
+
 template <typename Scalar, std::size_t D>
 void register_dimension() {
   const std::string scalar = sizeof(Scalar) == sizeof(float) ? "float" : "double";
   for (const ClusterInput input :
        {ClusterInput::kSlam, ClusterInput::kUniform, ClusterInput::kBlob}) {
-    for (const NeighborSearch search :
-         {NeighborSearch::kAutomatic, NeighborSearch::kGrid, NeighborSearch::kBruteForce}) {
+    for (const NeighborSearch search : {NeighborSearch::kAutomatic, NeighborSearch::kSweep,
+                                        NeighborSearch::kGrid, NeighborSearch::kBruteForce}) {
       const std::string name = "dbscan/" + test::to_string(input) + "/" + std::to_string(D) + "d/" +
                                scalar + "/" + to_string(search);
       auto* const bench = benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
@@ -56,6 +78,17 @@ void register_dimension() {
       if (search != NeighborSearch::kBruteForce) bench->Arg(100000);
     }
     if (sizeof(Scalar) == sizeof(float)) {
+      for (const NeighborSearch search : {NeighborSearch::kAutomatic, NeighborSearch::kSweep,
+                                          NeighborSearch::kGrid, NeighborSearch::kBruteForce}) {
+        const std::string name = "dbscan/" + test::to_string(input) + "/" + std::to_string(D) +
+                                 "d/stream/" + to_string(search);
+        auto* const bench = benchmark::RegisterBenchmark(
+            name.c_str(),
+            [=](benchmark::State& state) { cluster_stream<D>(state, input, search); });
+        for (const int n :
+             {30, 50, 70, 100, 120, 200, 300, 500, 700, 1000, 1500, 2000, 3000, 10000})
+          bench->Arg(n);
+      }
       benchmark::RegisterBenchmark(
           ("dbscan/" + test::to_string(input) + "/" + std::to_string(D) + "d/float/grid/2_threads")
               .c_str(),

@@ -181,7 +181,7 @@ AdaptiveDbscanOptions random_options(Rng& rng) {
   options.depth_groups.grouping =
       rng.coin() ? DepthGrouping::kGapLinkage : DepthGrouping::kAnchored;
   const NeighborSearch searches[] = {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce,
-                                     NeighborSearch::kGrid};
+                                     NeighborSearch::kSweep, NeighborSearch::kGrid};
   options.search = searches[rng.uniform_int(0, 2)];
   return options;
 }

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -51,8 +53,8 @@ void compare_with_definition(Rng& rng) {
       options.eps = pattern == PointPattern::kLattice ? 0.125 : rng.uniform(0.05, 0.3);
       options.min_points = rng.uniform_int(1, 7);
       const ReferenceClusters expected = reference_dbscan(points, options.eps, options.min_points);
-      for (const NeighborSearch search :
-           {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce, NeighborSearch::kGrid}) {
+      for (const NeighborSearch search : {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce,
+                                          NeighborSearch::kSweep, NeighborSearch::kGrid}) {
         options.search = search;
         const ReferenceClusters found = clusters_of(points, options);
         SCOPED_TRACE(test::to_string(pattern) + ", " + std::to_string(n) + " points of " +
@@ -65,6 +67,93 @@ void compare_with_definition(Rng& rng) {
       }
     }
   }
+}
+
+/// Sizes on either side of what tiles, words and the choice between searches depend on, and of
+/// nothing in particular.
+template <typename Scalar, std::size_t D>
+void compare_sizes(Rng& rng) {
+  for (const std::size_t n : {15U,  16U,  17U,  56U,  57U,  63U,  64U,  65U,  72U,  73U,  80U, 81U,
+                              127U, 128U, 129U, 191U, 193U, 257U, 321U, 385U, 511U, 512U, 513U}) {
+    const PointPattern pattern =
+        kPointPatterns[std::size_t(rng.uniform_int(0, int(std::size(kPointPatterns)) - 1))];
+    const auto points = points_to_cluster<Scalar, D>(pattern, n, rng);
+    DbscanOptions options;
+    options.eps = pattern == PointPattern::kLattice ? 0.125 : std::exp(rng.uniform(-3.5, 0.5));
+    options.min_points = rng.uniform_int(1, 9);
+    const ReferenceClusters expected = reference_dbscan(points, options.eps, options.min_points);
+    for (const NeighborSearch search : {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce,
+                                        NeighborSearch::kSweep, NeighborSearch::kGrid}) {
+      options.search = search;
+      const ReferenceClusters found = clusters_of(points, options);
+      SCOPED_TRACE(test::to_string(pattern) + ", " + std::to_string(n) + " points of " +
+                   std::to_string(D) + " dimensions, eps " + std::to_string(options.eps) +
+                   ", min_points " + std::to_string(options.min_points) + ", " + to_string(search));
+      ASSERT_EQ(found.labels, expected.labels);
+      ASSERT_EQ(found.kinds, expected.kinds);
+    }
+  }
+}
+
+template <typename Scalar>
+void compare_sizes_in_all_dimensions(Rng& rng) {
+  compare_sizes<Scalar, 1>(rng);
+  compare_sizes<Scalar, 2>(rng);
+  compare_sizes<Scalar, 3>(rng);
+  compare_sizes<Scalar, 4>(rng);
+  compare_sizes<Scalar, 5>(rng);
+  compare_sizes<Scalar, 6>(rng);
+}
+
+TEST(DbscanProperty, SizesAroundEveryThresholdInFloat) {
+  for_each_seed(8, compare_sizes_in_all_dimensions<float>);
+}
+
+TEST(DbscanProperty, SizesAroundEveryThresholdInDouble) {
+  for_each_seed(8, compare_sizes_in_all_dimensions<double>);
+}
+
+template <std::size_t D>
+void compare_largest_sweeps(Rng& rng) {
+  for (const PointPattern pattern : kPointPatterns) {
+    for (const std::size_t n : {4095U, 4096U, 4097U}) {
+      const auto points = points_to_cluster<float, D>(pattern, n, rng);
+      DbscanOptions options;
+      options.eps = pattern == PointPattern::kLattice ? 0.125 : rng.uniform(0.05, 0.2);
+      options.min_points = rng.uniform_int(2, 7);
+      options.search = NeighborSearch::kBruteForce;
+      const ReferenceClusters expected = clusters_of(points, options);
+      for (const NeighborSearch search :
+           {NeighborSearch::kAutomatic, NeighborSearch::kSweep, NeighborSearch::kGrid}) {
+        options.search = search;
+        const ReferenceClusters found = clusters_of(points, options);
+        ASSERT_EQ(found.labels, expected.labels)
+            << test::to_string(pattern) << ' ' << n << ' ' << to_string(search);
+        ASSERT_EQ(found.kinds, expected.kinds);
+      }
+    }
+  }
+}
+
+TEST(DbscanProperty, TheMostPointsThatAreSweptAndMore) {
+  for_each_seed(1, [](Rng& rng) {
+    compare_largest_sweeps<1>(rng);
+    compare_largest_sweeps<2>(rng);
+    compare_largest_sweeps<5>(rng);
+  });
+}
+
+TEST(DbscanProperty, TransposingExchangesRowsAndColumns) {
+  for_each_seed(50, [](Rng& rng) {
+    std::array<std::uint16_t, 16> rows{};
+    for (std::uint16_t& row : rows) row = std::uint16_t(rng.uniform_int(0, 0xffff));
+    const std::array<std::uint16_t, 16> columns = detail::transposed(rows);
+    for (unsigned row = 0; row < 16; ++row) {
+      for (unsigned column = 0; column < 16; ++column) {
+        ASSERT_EQ(rows[row] >> column & 1, columns[column] >> row & 1);
+      }
+    }
+  });
 }
 
 template <typename Scalar>
@@ -99,7 +188,8 @@ TEST(DbscanProperty, OrderOfThePointsChangesNothingButNumbers) {
       for (std::size_t i = 0; i < n; ++i) shuffled[i] = points[order[i]];
       DbscanOptions options;
       options.eps = 0.125;
-      for (const NeighborSearch search : {NeighborSearch::kBruteForce, NeighborSearch::kGrid}) {
+      for (const NeighborSearch search :
+           {NeighborSearch::kBruteForce, NeighborSearch::kSweep, NeighborSearch::kGrid}) {
         options.search = search;
         const ReferenceClusters before = clusters_of(points, options);
         const ReferenceClusters after = clusters_of(shuffled, options);
@@ -165,7 +255,8 @@ TEST(DbscanProperty, LargeEpsGivesOneClusterAndSmallEpsNoise) {
   for_each_seed(10, [](Rng& rng) {
     const auto points = points_to_cluster<double, 4>(PointPattern::kBlobs, 300, rng);
     DbscanOptions options;
-    for (const NeighborSearch search : {NeighborSearch::kBruteForce, NeighborSearch::kGrid}) {
+    for (const NeighborSearch search :
+         {NeighborSearch::kBruteForce, NeighborSearch::kSweep, NeighborSearch::kGrid}) {
       options.search = search;
       options.eps = 1e3;
       options.min_points = 1;

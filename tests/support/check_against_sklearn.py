@@ -64,7 +64,7 @@ def main():
     at = 0
     sizes = []
     for number, (points, eps, min_points) in enumerate(cases):
-        for search in ("brute force", "grid"):
+        for search in ("brute force", "sweep", "grid"):
             n = len(points)
             pairs = numbers[at + 1:at + 1 + 2 * n].reshape(n, 2)
             check(points, eps, min_points, pairs[:, 0], pairs[:, 1], numbers[at],

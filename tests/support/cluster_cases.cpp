@@ -25,7 +25,8 @@ template <std::size_t D>
 bool cluster_case(std::size_t num_points, double eps, int min_points) {
   std::vector<std::array<double, D>> points(num_points);
   if (num_points > 0 && !read(points.data()->data(), num_points * D)) return false;
-  for (const NeighborSearch search : {NeighborSearch::kBruteForce, NeighborSearch::kGrid}) {
+  for (const NeighborSearch search :
+       {NeighborSearch::kBruteForce, NeighborSearch::kSweep, NeighborSearch::kGrid}) {
     srslam::DbscanOptions options;
     options.eps = eps;
     options.min_points = min_points;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,11 +27,11 @@ inline std::string to_string(ClusterInput input) {
 }
 
 /// The input of n points with D = 2 (image), 3 (and depth), 4 (image and flow) or 5 (all)
-/// dimensions, and the options that go with it.
+/// dimensions, and the options that go with it; `frame` tells draws of the same kind apart.
 template <typename Scalar, std::size_t D>
 std::vector<std::array<Scalar, D>> cluster_input(ClusterInput input, std::size_t n,
-                                                 DbscanOptions* options) {
-  Rng rng(1000 * D + n);
+                                                 DbscanOptions* options, std::uint64_t frame = 0) {
+  Rng rng(1000 * D + n + 1000003 * frame);
   std::vector<std::array<Scalar, D>> points(n);
   if (input != ClusterInput::kSlam) {
     options->min_points = 5;

@@ -10,6 +10,7 @@
 #include "srslam/culling/dynamic_regions.hpp"
 #include "srslam/culling/removal_baselines.hpp"
 #include "support/allocation_counter.hpp"
+#include "support/cluster_inputs.hpp"
 #include "support/culling_scene.hpp"
 #include "support/flow_scene.hpp"
 
@@ -19,7 +20,8 @@ namespace {
 TEST(CullingAllocation, ClusteringAStreamAllocatesOnlyAtItsStart) {
   DbscanOptions options;
   options.eps = 0.06;
-  for (const NeighborSearch search : {NeighborSearch::kBruteForce, NeighborSearch::kGrid}) {
+  for (const NeighborSearch search :
+       {NeighborSearch::kBruteForce, NeighborSearch::kSweep, NeighborSearch::kGrid}) {
     for (const std::size_t n : {200U, 2000U}) {
       options.search = search;
       DbscanWorkspace<float> workspace;
@@ -37,6 +39,28 @@ TEST(CullingAllocation, ClusteringAStreamAllocatesOnlyAtItsStart) {
       };
       EXPECT_GT(test::count_allocations([&] { cluster_frames(10); }), 0U);
       EXPECT_EQ(test::count_allocations([&] { cluster_frames(40); }), 0U) << to_string(search);
+    }
+  }
+}
+
+TEST(CullingAllocation, HowPointsAreSpreadDoesNotMatter) {
+  // From points that see none of the others to points that see all of them.
+  for (const NeighborSearch search : {NeighborSearch::kBruteForce, NeighborSearch::kSweep}) {
+    for (const std::size_t n : {100U, 500U, 3000U}) {
+      DbscanOptions options;
+      options.search = search;
+      DbscanWorkspace<float> workspace;
+      std::vector<std::int32_t> labels(n);
+      const auto points = test::cluster_input<float, 2>(test::ClusterInput::kUniform, n, &options);
+      options.eps = 1e-4;
+      ASSERT_TRUE(dbscan(points, options, workspace, labels).status.ok());
+      const std::size_t num_allocations = test::count_allocations([&] {
+        for (const double eps : {1e-3, 1e-2, 1e-1, 1.0, 10.0}) {
+          options.eps = eps;
+          ASSERT_TRUE(dbscan(points, options, workspace, labels).status.ok());
+        }
+      });
+      EXPECT_EQ(num_allocations, 0U) << n << ' ' << to_string(search);
     }
   }
 }

@@ -36,7 +36,7 @@ using Point1 = std::array<double, 1>;
 using Point2 = std::array<double, 2>;
 
 constexpr NeighborSearch kSearches[] = {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce,
-                                        NeighborSearch::kGrid};
+                                        NeighborSearch::kSweep, NeighborSearch::kGrid};
 
 struct Clusters {
   DbscanResult result;
@@ -251,10 +251,58 @@ TEST(Dbscan, DenseCellsNeedNoDistances) {
   EXPECT_EQ(grid.result.num_clusters, 1);
   EXPECT_EQ(grid.result.num_comparisons, 0U);
   EXPECT_EQ(grid.result.search, NeighborSearch::kGrid);
-  points.resize(200);
-  const Clusters every_pair = cluster(points, 0.05, 5, NeighborSearch::kAutomatic);
+}
+
+TEST(Dbscan, EveryPairIsComparedWhereThatIsAskedFor) {
+  std::vector<Point2> points(200);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {double(i), 0.0};
+  const Clusters every_pair = cluster(points, 1.5, 3, NeighborSearch::kBruteForce);
   EXPECT_EQ(every_pair.result.search, NeighborSearch::kBruteForce);
   EXPECT_EQ(every_pair.result.num_comparisons, 200U * 200U);
+  const Clusters swept = cluster(points, 1.5, 3, NeighborSearch::kSweep);
+  EXPECT_EQ(swept.result.search, NeighborSearch::kSweep);
+  // Sixteen points with themselves and the next tile.
+  EXPECT_LE(swept.result.num_comparisons, 200U * 32U);
+  EXPECT_EQ(swept.labels, every_pair.labels);
+}
+
+TEST(Dbscan, ChoosesTheSearchByNumberAndDensity) {
+  const auto search_of = [](std::size_t n, double spacing, NeighborSearch search) {
+    std::vector<Point2> points(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      points[i] = {spacing * double(i % 64), spacing * double(i / 64)};
+    }
+    return cluster(points, 1.0, 4, search).result.search;
+  };
+  EXPECT_EQ(search_of(80, 1.0, NeighborSearch::kAutomatic), NeighborSearch::kBruteForce);
+  EXPECT_EQ(search_of(81, 1.0, NeighborSearch::kAutomatic), NeighborSearch::kSweep);
+  EXPECT_EQ(search_of(4096, 1.0, NeighborSearch::kAutomatic), NeighborSearch::kSweep);
+  EXPECT_EQ(search_of(4096, 1.0, NeighborSearch::kSweep), NeighborSearch::kSweep);
+  EXPECT_EQ(search_of(4097, 1.0, NeighborSearch::kAutomatic), NeighborSearch::kGrid);
+  EXPECT_EQ(search_of(4097, 1.0, NeighborSearch::kSweep), NeighborSearch::kGrid);
+  EXPECT_EQ(search_of(1000, 0.1, NeighborSearch::kAutomatic), NeighborSearch::kGrid) << "dense";
+  EXPECT_EQ(search_of(100, 0.01, NeighborSearch::kAutomatic), NeighborSearch::kGrid) << "one cell";
+  // A point far away hides the density from the box but not from the sorted axis.
+  std::vector<Point2> points(3000, Point2{0.0, 0.0});
+  points[0] = {1e6, 1e6};
+  const Clusters found = cluster(points, 1.0, 4, NeighborSearch::kAutomatic);
+  EXPECT_EQ(found.result.search, NeighborSearch::kGrid);
+  EXPECT_EQ(found.result.num_core, 2999U);
+}
+
+TEST(Dbscan, TakesCoordinatesWhoseDifferenceIsNoNumber) {
+  constexpr float kFar = 3e38F;
+  std::vector<std::array<float, 2>> points;
+  for (int i = 0; i < 90; ++i) {
+    const float x = i % 3 == 0 ? kFar : (i % 3 == 1 ? -kFar : 0.25F * float(i));
+    points.push_back({x, i % 2 == 0 ? kFar : -kFar});
+  }
+  const Clusters expected = cluster(points, 1.0, 3, NeighborSearch::kBruteForce);
+  EXPECT_EQ(expected.result.num_invalid, 0U);
+  EXPECT_GE(expected.result.num_clusters, 4);
+  for (const NeighborSearch search : kSearches) {
+    EXPECT_EQ(cluster(points, 1.0, 3, search).labels, expected.labels) << to_string(search);
+  }
 }
 
 TEST(Dbscan, ComparesFewPointsWhereManyAreSpreadOut) {

@@ -12,6 +12,7 @@
 #include "srslam/core/status.hpp"
 #include "srslam/culling/dbscan_brute_force.hpp"
 #include "srslam/culling/dbscan_cells.hpp"
+#include "srslam/culling/dbscan_sweep.hpp"
 #include "srslam/culling/dbscan_types.hpp"
 #include "srslam/culling/dbscan_workspace.hpp"
 
@@ -19,20 +20,10 @@ namespace srslam {
 
 namespace detail {
 
-/// Points up to which every pair is faster than a grid: measured on points like an image's features
+/// Points up to which every pair is faster than a sort: measured on points like an image's features
 /// and on uniform ones, between whose crossings it lies (docs/dbscan.md).
 constexpr std::size_t max_points_for_brute_force(int dimension) noexcept {
-  switch (dimension) {
-    case 1:
-    case 2:
-      return 200;
-    case 3:
-      return 280;
-    case 4:
-      return 350;
-    default:
-      return kMaxPointsAsBits;
-  }
+  return dimension <= 2 ? 80 : (dimension == 3 ? 72 : 56);
 }
 
 /// Copies the valid points axis by axis; the others are noise.
@@ -110,6 +101,36 @@ DbscanResult cluster_points(ArrayView<const Point> points, const DbscanOptions& 
   return result;
 }
 
+/// Clusters by the search that the options name, or by the one expected to be fastest; returns it.
+template <typename Scalar, int D>
+NeighborSearch search_and_cluster(DbscanProblem<Scalar, D>& problem, const DbscanOptions& options,
+                                  DbscanWorkspace<Scalar>& workspace) {
+  const std::size_t n = problem.num_points;
+  NeighborSearch search = options.search;
+  if (search == NeighborSearch::kAutomatic && n <= max_points_for_brute_force(D)) {
+    search = NeighborSearch::kBruteForce;
+  }
+  if (n == 0) return search;
+  if (search == NeighborSearch::kBruteForce) {
+    if (n <= kMaxPointsAsBits) {
+      cluster_few(problem, workspace);
+    } else {
+      cluster_brute_force(problem, workspace);
+    }
+    return search;
+  }
+  if (search != NeighborSearch::kGrid && n <= kMaxSweepPoints) {
+    SweepClustering<Scalar, D> sweep(problem, workspace.sweep);
+    if (search == NeighborSearch::kSweep) {
+      sweep.run();
+      return NeighborSearch::kSweep;
+    }
+    if (sweep.run_if_sparse()) return NeighborSearch::kSweep;
+  }
+  CellClustering<Scalar, D>(problem, workspace.grid, options.num_threads).run();
+  return NeighborSearch::kGrid;
+}
+
 }  // namespace detail
 
 /// DBSCAN (Ester et al. 1996), exact: a point with min_points points within eps of it, itself
@@ -140,25 +161,10 @@ DbscanResult dbscan(ArrayView<const Point> points, const DbscanOptions& options,
         "the kd-tree is searched by dbscan_kd_tree() in srslam/interop/nanoflann.hpp");
     return result;
   }
-  return detail::cluster_points(
-      points, options, workspace, labels, [&](detail::DbscanProblem<Scalar, kDimension>& problem) {
-        NeighborSearch search = options.search;
-        if (search == NeighborSearch::kAutomatic) {
-          search = problem.num_points <= detail::max_points_for_brute_force(kDimension)
-                       ? NeighborSearch::kBruteForce
-                       : NeighborSearch::kGrid;
-        }
-        if (problem.num_points == 0) return search;
-        if (search == NeighborSearch::kGrid) {
-          detail::CellClustering<Scalar, kDimension>(problem, workspace.grid, options.num_threads)
-              .run();
-        } else if (problem.num_points <= detail::kMaxPointsAsBits) {
-          detail::cluster_few(problem, workspace);
-        } else {
-          detail::cluster_brute_force(problem, workspace);
-        }
-        return search;
-      });
+  return detail::cluster_points(points, options, workspace, labels,
+                                [&](detail::DbscanProblem<Scalar, kDimension>& problem) {
+                                  return detail::search_and_cluster(problem, options, workspace);
+                                });
 }
 
 /// The same for a vector of points.

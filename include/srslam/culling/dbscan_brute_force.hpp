@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "srslam/culling/dbscan_bits.hpp"
 #include "srslam/culling/dbscan_lanes.hpp"
 #include "srslam/culling/dbscan_types.hpp"
 #include "srslam/culling/dbscan_workspace.hpp"
@@ -13,49 +14,16 @@ namespace srslam::detail {
 /// Up to so many points have all their neighbours written down, a bit each.
 constexpr std::size_t kMaxPointsAsBits = 512;
 
-inline unsigned count_of_bits(std::uint64_t bits) noexcept {
-  bits -= (bits >> 1U) & 0x5555555555555555U;
-  bits = (bits & 0x3333333333333333U) + ((bits >> 2U) & 0x3333333333333333U);
-  bits = (bits + (bits >> 4U)) & 0x0f0f0f0f0f0f0f0fU;
-  return unsigned((bits * 0x0101010101010101U) >> 56U);
-}
-
-/// Index of the lowest bit set, of a word that is not 0.
-inline unsigned lowest_bit(std::uint64_t bits) noexcept {
-#if defined(__GNUC__)
-  return unsigned(__builtin_ctzll(bits));
-#else
-  return count_of_bits((bits & (~bits + 1U)) - 1U);
-#endif
-}
-
-template <typename Visit>
-void visit_bits(const std::uint64_t* words, std::size_t num_words, const Visit& visit) {
-  for (std::size_t word = 0; word < num_words; ++word) {
-    for (std::uint64_t bits = words[word]; bits != 0; bits &= bits - 1U) {
-      visit(word * 64 + lowest_bit(bits));
-    }
-  }
-}
-
-template <typename Scalar, int D>
-void join_nearest_core(DbscanProblem<Scalar, D>& problem, std::size_t point,
-                       const NearestCore<Scalar, D>& nearest) {
-  if (!nearest.found()) return;
-  problem.kinds[problem.input[point]] = PointKind::kBorder;
-  problem.labels[problem.input[point]] = problem.labels[problem.input[nearest.index()]];
-}
-
 /// Every pair once, written down as a bit; then clusters grow by whole words. At most
 /// kMaxPointsAsBits points. O(n²) time, O(n²) bits.
 template <typename Scalar, int D>
 void cluster_few(DbscanProblem<Scalar, D>& problem, DbscanWorkspace<Scalar>& workspace) {
   constexpr std::size_t kMaxWords = kMaxPointsAsBits / 64;
   const std::size_t n = problem.num_points;
-  const std::size_t num_words = (n + 63) / 64;
+  const std::size_t num_words = words_of(n);
   reserve_elements(workspace.neighbor_bits, n * num_words);
   std::uint64_t* const neighbors = workspace.neighbor_bits.data();
-  std::uint64_t unreached[kMaxWords] = {};  // core points without a cluster
+  std::uint64_t core[kMaxWords] = {};
   for (std::size_t i = 0; i < n; ++i) {
     const NearTest<Scalar, D> test = problem.near(i);
     std::uint64_t* const row = neighbors + i * num_words;
@@ -71,52 +39,17 @@ void cluster_few(DbscanProblem<Scalar, D>& problem, DbscanWorkspace<Scalar>& wor
       num_neighbors += count_of_bits(bits);
     }
     if (num_neighbors >= problem.min_points) {
-      unreached[i / 64] |= std::uint64_t(1) << (i % 64);
+      core[i / 64] |= std::uint64_t(1) << (i % 64);
       problem.kinds[problem.input[i]] = PointKind::kCore;
     }
   }
   problem.num_comparisons += std::uint64_t(n) * n;
-
-  std::uint64_t core[kMaxWords] = {};
-  for (std::size_t word = 0; word < kMaxWords; ++word) core[word] = unreached[word];
-  for (std::size_t i = 0; i < n; ++i) {
-    if ((unreached[i / 64] >> (i % 64) & 1U) == 0) continue;
-    const std::int32_t cluster = problem.num_clusters++;
-    std::uint64_t pending[kMaxWords] = {};
-    pending[i / 64] = std::uint64_t(1) << (i % 64);
-    unreached[i / 64] ^= pending[i / 64];
-    for (std::size_t word = i / 64; word < num_words;) {
-      if (pending[word] == 0) {
-        ++word;
-        continue;
-      }
-      const std::size_t point = word * 64 + lowest_bit(pending[word]);
-      pending[word] &= pending[word] - 1U;
-      problem.labels[problem.input[point]] = cluster;
-      const std::uint64_t* const row = neighbors + point * num_words;
-      for (std::size_t w = num_words; w-- > 0;) {
-        const std::uint64_t reached = row[w] & unreached[w];
-        if (reached == 0) continue;
-        unreached[w] ^= reached;
-        pending[w] |= reached;
-        if (w < word) word = w;
-      }
-    }
-  }
-
-  for (std::size_t i = 0; i < n; ++i) {
-    if ((core[i / 64] >> (i % 64) & 1U) != 0) continue;
-    std::uint64_t near_core[kMaxWords] = {};
-    for (std::size_t word = 0; word < num_words; ++word) {
-      near_core[word] = neighbors[i * num_words + word] & core[word];
-    }
-    const NearTest<Scalar, D> test = problem.near(i);
-    NearestCore<Scalar, D> nearest;
-    visit_bits(near_core, num_words, [&](std::size_t j) {
-      nearest.offer(problem.points, j, test.squared_distance(problem.points, j));
-    });
-    join_nearest_core(problem, i, nearest);
-  }
+  cluster_neighbor_rows<kMaxWords>(
+      problem, core,
+      [&](std::size_t point) {
+        return NeighborRow{neighbors + point * num_words, 0, num_words};
+      },
+      [](std::size_t k) { return k; });
 }
 
 /// Every pair, as the definition says; the reference that the other searches are held against, and

@@ -154,6 +154,35 @@ class NearTest {
   Value eps_squared_;
 };
 
+/// Rows and columns of 16 by 16 bits exchanged: bit i of row k becomes bit k of row i.
+inline std::array<std::uint16_t, 16> transposed(
+    const std::array<std::uint16_t, 16>& rows) noexcept {
+  std::array<std::uint16_t, 16> columns{};
+#ifdef SRSLAM_DBSCAN_SSE2
+  const auto load = [&](std::size_t row) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows.data() + row));
+  };
+  const __m128i low_byte = _mm_set1_epi16(0xff);
+  __m128i low =
+      _mm_packus_epi16(_mm_and_si128(load(0), low_byte), _mm_and_si128(load(8), low_byte));
+  __m128i high = _mm_packus_epi16(_mm_srli_epi16(load(0), 8), _mm_srli_epi16(load(8), 8));
+  for (std::size_t column = 8; column-- > 0;) {
+    columns[column] = std::uint16_t(_mm_movemask_epi8(low));
+    columns[column + 8] = std::uint16_t(_mm_movemask_epi8(high));
+    low = _mm_add_epi8(low, low);
+    high = _mm_add_epi8(high, high);
+  }
+#else
+  for (std::size_t row = 0; row < 16; ++row) {
+    for (std::size_t column = 0; column < 16; ++column) {
+      const unsigned bit = unsigned(rows[row]) >> column & 1U;
+      columns[column] = std::uint16_t(columns[column] | bit << row);
+    }
+  }
+#endif
+  return columns;
+}
+
 /// Bits of the lanes that lie before `end`.
 constexpr unsigned lanes_before(std::size_t first, std::size_t end) noexcept {
   return end - first >= kLanes ? 15U : (1U << (end - first)) - 1U;

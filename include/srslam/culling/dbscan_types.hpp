@@ -47,6 +47,7 @@ struct PointTraits<Eigen::Matrix<T, N, 1, Options, N, 1>, std::enable_if_t<(N > 
 enum class NeighborSearch : std::uint8_t {
   kAutomatic,   ///< whichever is expected to be fastest for number and dimension
   kBruteForce,  ///< every pair
+  kSweep,       ///< those near along one axis, sorted; up to 4096 points, kGrid for more
   kGrid,        ///< cells in which all points are neighbours of each other
   kKdTree,      ///< by nanoflann; only dbscan_kd_tree() in srslam/interop/nanoflann.hpp offers it
 };
@@ -57,6 +58,8 @@ constexpr const char* to_string(NeighborSearch search) noexcept {
       return "automatic";
     case NeighborSearch::kBruteForce:
       return "brute_force";
+    case NeighborSearch::kSweep:
+      return "sweep";
     case NeighborSearch::kGrid:
       return "grid";
     case NeighborSearch::kKdTree:

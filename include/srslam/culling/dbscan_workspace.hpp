@@ -43,6 +43,25 @@ struct DbscanGridBuffers {
   std::vector<Thread> threads;
 };
 
+/// Points sorted along one axis: what the sweep keeps.
+template <typename Scalar>
+struct DbscanSweepBuffers {
+  std::vector<std::uint32_t> bin;             ///< of each valid point, along the axis
+  std::vector<std::uint32_t> bin_end;         ///< of a counting sort
+  std::vector<std::uint32_t> place;           ///< of each valid point in the order
+  std::vector<std::uint32_t> input;           ///< index in the input of each sorted point
+  std::array<std::vector<Scalar>, 6> sorted;  ///< coordinates in that order
+
+  /// Neighbours of sixteen points.
+  struct TileRow {
+    std::uint32_t first_tile, end_tile;  ///< those in reach
+    std::uint32_t bits;                  ///< words of its first point
+  };
+  std::vector<TileRow> tile_rows;
+  std::vector<std::array<std::uint16_t, 16>> tiles;  ///< of the row that is being compared
+  std::vector<std::uint64_t> neighbor_bits;
+};
+
 /// Buffers of dbscan(), kept by the caller so that a steady stream allocates nothing. O(n).
 template <typename Scalar>
 struct DbscanWorkspace {
@@ -54,6 +73,7 @@ struct DbscanWorkspace {
   std::vector<std::uint64_t> neighbor_bits;        ///< brute force over few points
   std::array<std::vector<Scalar>, 6> remaining;    ///< brute force: points not yet reached
   std::vector<std::uint32_t> remaining_index, pending;
+  DbscanSweepBuffers<Scalar> sweep;
   DbscanGridBuffers<Scalar> grid;
 };
 
