@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "srslam/culling/dbscan_bits.hpp"
 #include "srslam/culling/dbscan_lanes.hpp"
@@ -126,6 +127,8 @@ class SweepClustering {
       const Scalar* const values = problem_.points[axis];
       Scalar* const sorted = buffers_.sorted[axis].data();
       for (std::size_t i = 0; i < n; ++i) sorted[place[i]] = values[i];
+      // The last tile is filled up with neighbours of nothing.
+      std::fill_n(sorted + n, kTile, std::numeric_limits<Scalar>::infinity());
     }
     sorted_.points = axes_of<D>(buffers_.sorted);
     sorted_.input = buffers_.input.data();
@@ -244,24 +247,27 @@ class SweepClustering {
     }
   }
 
-  /// The set of core points. What the last word of a row says of points that are none is not
-  /// counted, and no other set has them.
+  /// The set of core points. Without a branch on what is found: who is core cannot be predicted.
   void find_core_points(std::uint64_t* core) {
     const std::size_t n = problem_.num_points;
-    const std::size_t num_words = words_of(n);
-    std::fill_n(core, num_words, std::uint64_t(0));
-    const std::uint64_t points_of_last = ~std::uint64_t(0) >> (num_words * 64 - n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const NeighborRow row = row_of(i);
-      unsigned count = 0;
-      for (std::size_t w = row.first; w < row.end; ++w) {
-        const std::uint64_t points = w + 1 == num_words ? points_of_last : ~std::uint64_t(0);
-        count += count_of_bits(row.words[w - row.first] & points);
+    std::fill_n(core, words_of(n), std::uint64_t(0));
+    for (std::size_t tile = 0; tile < num_tiles_; ++tile) {
+      const TileRow row = buffers_.tile_rows[tile];
+      const std::size_t num_words = words_in(row);
+      const std::uint64_t* const bits = buffers_.neighbor_bits.data() + row.bits;
+      std::array<unsigned, kTile> count{};
+      for (std::size_t w = 0; w < num_words; ++w) {
+        for (std::size_t i = 0; i < kTile; ++i) count[i] += count_of_bits(bits[i * num_words + w]);
       }
-      if (count >= problem_.min_points) {
-        core[i / 64] |= std::uint64_t(1) << (i % 64);
-        problem_.kinds[sorted_.input[i]] = PointKind::kCore;
+      const std::size_t begin = tile * kTile;
+      const std::size_t num_points = std::min(kTile, n - begin);
+      std::uint64_t are_core = 0;
+      for (std::size_t i = 0; i < num_points; ++i) {
+        const bool is_core = count[i] >= problem_.min_points;
+        are_core |= std::uint64_t(is_core) << i;
+        problem_.kinds[sorted_.input[begin + i]] = is_core ? PointKind::kCore : PointKind::kNoise;
       }
+      core[begin / 64] |= are_core << (begin % 64);
     }
   }
 
