@@ -8,14 +8,20 @@ for (name in commandArgs(trailingOnly = TRUE)) {
   points <- matrix(readBin(stream, "double", shape[1] * shape[2], size = 8, endian = "little"),
                    ncol = shape[2], byrow = TRUE)
   close(stream)
-  times <- c()
-  # The clock has a resolution of a millisecond: small inputs are timed many at once.
-  repeats <- max(1, 20000 %/% shape[1])
-  while (length(times) < 5 || (sum(times) * repeats < 200 && length(times) < 200)) {
-    spent <- system.time(for (i in seq_len(repeats)) found <- dbscan(points, eps, min_points))
-    times <- c(times, 1e3 * (spent[["user.self"]] + spent[["sys.self"]]) / repeats)
-    if (sum(times) * repeats > 20e3) break
+  # The clock has a resolution of a millisecond: a sample is as many calls as take half a second, so
+  # that three digits mean something.
+  repeats <- 1
+  sample_ms <- function() {
+    spent <- system.time(for (i in seq_len(repeats)) found <<- dbscan(points, eps, min_points))
+    1e3 * (spent[["user.self"]] + spent[["sys.self"]])
   }
+  repeat {
+    spent_ms <- sample_ms()  # warms up, too
+    if (spent_ms >= 500) break
+    repeats <- if (spent_ms < 20) repeats * 10 else ceiling(repeats * 550 / spent_ms)
+  }
+  times <- c()
+  while (length(times) < 5 && sum(times) * repeats < 20e3) times <- c(times, sample_ms() / repeats)
   cat(sprintf("%s,%.6f,%d,%d\n", sub("[.]bin$", "", basename(name)), median(times),
               max(found$cluster), sum(found$cluster == 0)))
 }
