@@ -45,9 +45,9 @@ struct PointTraits<Eigen::Matrix<T, N, 1, Options, N, 1>, std::enable_if_t<(N > 
 
 /// How neighbours are found. The clusters are the same.
 enum class NeighborSearch : std::uint8_t {
-  kAutomatic,   ///< whichever is expected to be fastest for number and dimension
-  kBruteForce,  ///< every pair
-  kSweep,       ///< those near along one axis, sorted; up to 4096 points, kGrid for more
+  kAutomatic,   ///< whichever is expected to be fastest for number, dimension and density
+  kBruteForce,  ///< every pair; n² comparisons up to 512 points
+  kSweep,       ///< pairs that are near along one axis; above 4096 points kGrid instead
   kGrid,        ///< cells in which all points are neighbours of each other
   kKdTree,      ///< by nanoflann; only dbscan_kd_tree() in srslam/interop/nanoflann.hpp offers it
 };
@@ -71,7 +71,7 @@ constexpr const char* to_string(NeighborSearch search) noexcept {
 struct DbscanOptions {
   double eps = 0.05;   ///< neighbours are this near or nearer, in the points' unit; > 0, finite
   int min_points = 3;  ///< a core point has this many neighbours, itself included; >= 1
-  NeighborSearch search = NeighborSearch::kAutomatic;
+  NeighborSearch search = NeighborSearch::kAutomatic;  ///< changes no label
   int num_threads = 1;  ///< of the grid, from 20 000 points on; changes no label; 1..64
 
   Status validate() const noexcept {
