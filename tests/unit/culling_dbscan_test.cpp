@@ -270,7 +270,8 @@ TEST(Dbscan, ChoosesTheSearchByNumberAndDensity) {
   const auto search_of = [](std::size_t n, double spacing, NeighborSearch search) {
     std::vector<Point2> points(n);
     for (std::size_t i = 0; i < n; ++i) {
-      points[i] = {spacing * double(i % 64), spacing * double(i / 64)};
+      const std::size_t row = i / 64;
+      points[i] = {spacing * double(i % 64), spacing * double(row)};
     }
     return cluster(points, 1.0, 4, search).result.search;
   };

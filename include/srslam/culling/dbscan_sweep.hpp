@@ -145,8 +145,8 @@ class SweepClustering {
   /// Least and greatest of the values, four at a time.
   std::array<Scalar, 2> range_of(const Scalar* values) const noexcept {
     const std::size_t n = problem_.num_points;
-    std::array<Scalar, 4> low;
-    std::array<Scalar, 4> high;
+    std::array<Scalar, 4> low{};
+    std::array<Scalar, 4> high{};
     low.fill(values[0]);
     high.fill(values[0]);
     std::size_t i = 0;
