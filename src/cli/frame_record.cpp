@@ -10,7 +10,7 @@ namespace srslam::cli {
 namespace {
 
 constexpr int kNumSceneColumns = 18;
-constexpr int kNumCullingColumns = 16;
+constexpr int kNumCullingColumns = 17;
 constexpr int kTimeDecimals = 3;
 
 /// A number that exists, or nothing.
@@ -53,7 +53,7 @@ std::string culling_columns(const CullingReport& culling) {
         regions.num_epipolar_anomalies, regions.num_depth_anomalies, regions.num_near_anomaly,
         regions.num_potential, removal.clusters.num_clusters, removal.num_dynamic_clusters,
         removal.num_removed_in_clusters, removal.num_removed_near_clusters,
-        removal.num_kept_potential, removal.num_removed}) {
+        removal.num_kept_potential, removal.num_removed, culling.num_restored}) {
     line += "," + std::to_string(count);
   }
   return line + "," + csv_text(to_string(regions.epipolar)) + "," +
@@ -73,7 +73,8 @@ std::string frames_csv_header() {
       "scene_reason,"
       "culling_branch,num_flow_tracks,num_in_objects,num_flow_anomalies,num_epipolar_anomalies,"
       "num_depth_anomalies,num_near_anomaly,num_potential,num_clusters,num_dynamic_clusters,"
-      "num_culled_in_clusters,num_culled_near_clusters,num_potential_kept,num_culled,epipolar_test,"
+      "num_culled_in_clusters,num_culled_near_clusters,num_potential_kept,num_culled,num_restored,"
+      "epipolar_test,"
       "depth_test,"
       "decode_ms,read_"
       "wait_ms";

@@ -21,9 +21,6 @@ class CullingModule {
   CullingReport cull(const PipelineFrame& frame, const SceneReport& report,
                      const Pose* tracked_T_current_previous, SceneModule* scene);
 
-  /// Of the last frame, a place for each feature.
-  ArrayView<const CullingVerdict> verdicts() const { return verdicts_; }
-
  private:
   void follow_features_back(const SceneReport& report, SceneModule* scene);
   void remember_depth(const ImageView<const float>& depth_m);

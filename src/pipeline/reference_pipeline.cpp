@@ -240,9 +240,9 @@ void ReferencePipeline::Impl::track(const PipelineFrame& input, PipelineResult* 
       detail::decide_keyframe(keyframe_evidence(reference, outcome.num_inliers), options.keyframes,
                               options.tracking.min_inliers);
   // What moves is still among the features of such a frame, and would get into the map.
-  const bool mixed = result->has_culling &&
-                     (result->culling.removal.branch == CullingBranch::kSparing ||
-                      result->culling.num_restored > 0);
+  const bool mixed =
+      result->has_culling && (result->culling.removal.branch == CullingBranch::kSparing ||
+                              result->culling.num_restored > 0);
   result->keyframe_reason = mixed ? "features that move could not be removed" : decision.reason;
   if (decision.insert && !mixed) insert_keyframe(input, &T_world_camera, &reference, result);
   tracked_poses.push_back(

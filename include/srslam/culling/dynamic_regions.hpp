@@ -59,7 +59,7 @@ struct DynamicRegionOptions {
   std::vector<std::string> classes;  ///< that may move by themselves; none: is_movable_class()
   double min_score = 0.25;           ///< boxes below are not looked at; [0, 1]
   /// Features this near to an anomaly outside all boxes are potential, too [image widths]; >= 0.
-  double region_radius = 0.02;
+  double region_radius = 0.06;
 
   /// From one frame to the next the camera's motion and that of people differ by a few pixels: a
   /// motion between both would explain either within the distance that suits older references.
