@@ -65,10 +65,9 @@ struct ReferencePipeline::Impl {
   detail::OrbFeatures extracted;
   FeatureFrame frame;
   std::vector<FeatureLabel> labels;
-  std::vector<Feature> all_features;  ///< with module D: those that were removed, too
   std::vector<FeatureLabel> all_labels;
   std::vector<std::uint8_t> removed;  ///< with module D, of all features
-  FeatureFrame whole_frame;           ///< with module D: nothing removed
+  FeatureFrame whole_frame;           ///< with module D, before anything was removed
   std::vector<std::uint8_t> thumbnail;
   bool has_timestamp = false;
   double last_timestamp_s = 0.0;
@@ -104,8 +103,7 @@ Status ReferencePipeline::Impl::check(const PipelineFrame& input) const {
 }
 
 void ReferencePipeline::Impl::cull(const PipelineFrame& input, PipelineResult* result) {
-  all_features = frame.features;
-  Pose T_current_previous;
+  Pose T_current_previous = Pose::Identity();
   const bool is_predicted = tracker.predict_step(input.timestamp_s, &T_current_previous);
   result->culling = culling->cull(input, result->scene,
                                   is_predicted ? &T_current_previous : nullptr, scene.get());
@@ -134,7 +132,7 @@ bool ReferencePipeline::Impl::restore_untested(PipelineResult* result) {
 
 /// What became of the features that were not removed goes to their places among all.
 void ReferencePipeline::Impl::label_all_features() {
-  all_labels.assign(all_features.size(), FeatureLabel::kCulled);
+  all_labels.assign(removed.size(), FeatureLabel::kCulled);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < all_labels.size(); ++i) {
     if (removed[i] == 0) all_labels[i] = labels[kept++];
@@ -311,7 +309,7 @@ PipelineResult ReferencePipeline::process(const PipelineFrame& input) {
   result.labels = impl.labels;
   if (result.has_culling) {
     impl.label_all_features();
-    result.features = impl.all_features;
+    result.features = impl.whole_frame.features;
     result.labels = impl.all_labels;
   }
   result.times.total_ms = total.lap_ms();

@@ -104,11 +104,12 @@ TEST(FramesCsv, EveryLineHasTheFieldsOfTheHeader) {
   result.has_culling = true;
   result.culling.removal.branch = CullingBranch::kSparing;
   result.culling.removal.num_removed = 87;
+  result.culling.num_restored = 5;
   result.culling.regions.epipolar = SkippedTest::kNoParallax;
   const std::string culled = frames_csv_line(record, &result, {});
   EXPECT_EQ(num_fields(culled), num_fields(header)) << culled;
   EXPECT_NE(culled.find(",sparing,0,"), std::string::npos) << culled;
-  EXPECT_NE(culled.find(",87,no parallax,turned off,"), std::string::npos) << culled;
+  EXPECT_NE(culled.find(",87,5,no parallax,turned off,"), std::string::npos) << culled;
 }
 
 TEST(FramesCsv, EveryOutcomeHasANameOfItsOwn) {
