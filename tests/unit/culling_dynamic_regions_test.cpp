@@ -355,20 +355,20 @@ TEST(DynamicRegions, ReachAroundAnomaliesOutsideObjects) {
   FlowScene scene;
   std::vector<FlowTrack> tracks = scene.tracks();
   tracks.resize(300);
-  // One that moves, and three in its neighbourhood: at 10, 12.7 and 13 px of 12.8.
+  // One that moves, and three in its neighbourhood: at 30, 38.3 and 38.6 px of 38.4.
   FlowTrack mover = tracks[0];
   mover.current = {320.0F, 240.0F, 2.0F, false};
   mover.reference = {300.0F, 260.0F, 2.0F, false};
   mover.alive = true;
   tracks.push_back(mover);
-  for (const float distance_px : {10.0F, 12.7F, 13.0F}) {
+  for (const float distance_px : {30.0F, 38.3F, 38.6F}) {
     FlowTrack neighbor;
     neighbor.current = {320.0F + distance_px, 240.0F, 2.0F, false};
     neighbor.alive = false;
     tracks.push_back(neighbor);
   }
   for (std::size_t i = 0; i < 300; ++i) {
-    if (std::hypot(tracks[i].current.u_px - 320.0F, tracks[i].current.v_px - 240.0F) < 20.0F) {
+    if (std::hypot(tracks[i].current.u_px - 320.0F, tracks[i].current.v_px - 240.0F) < 45.0F) {
       tracks[i].current.u_px += 100.0F;
       tracks[i].alive = false;
     }
