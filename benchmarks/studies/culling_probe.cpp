@@ -153,7 +153,7 @@ struct ProbeSettings {
 int probe(int argc, char** argv) {
   ProbeSettings settings;
   CLI::App app("How well features on movers are found and the others kept");
-  app.add_option("--dataset", settings.dataset, "Rendered sequence with masks")->required();
+  app.add_option("--dataset", settings.dataset, "Rendered sequence (srslam synth)")->required();
   app.add_option("--output", settings.output, "CSV file to write")->required();
   app.add_option("--config", settings.config, "Pipeline configuration");
   app.add_flag("--at-pixel", settings.at_pixel, "Features move as what their pixel shows");
@@ -202,6 +202,11 @@ int probe(int argc, char** argv) {
     const srslam::PipelineFrame frame = pipeline_frame(loaded, inputs);
     const PipelineResult result = pipeline.process(frame);
     if (!result.has_culling || i == 0) continue;
+    if (std::abs(inputs.dataset.entry(i).timestamp_s - motion_truth.timestamp_s(i)) > 1e-3) {
+      std::cerr << "culling_probe: frame " << i << " of " << settings.dataset
+                << " is not that of its scenario.json: frames are missing; render it again\n";
+      return 1;
+    }
     const srslam::Status measured = motion_truth.measure(i);
     if (!measured.ok()) {
       std::cerr << "culling_probe: frame " << i << ": " << measured.reason << '\n';

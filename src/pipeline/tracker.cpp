@@ -28,10 +28,14 @@ constexpr double kMaxPredictionGap_s = 0.5;
 
 }  // namespace
 
+bool Tracker::can_predict(double gap_s) const {
+  return has_velocity_ && gap_s > 0.0 && gap_s <= kMaxPredictionGap_s;
+}
+
 Pose Tracker::predict(double timestamp_s) const {
   Pose T_world_last_frame = T_world_last();
   const double gap_s = timestamp_s - last_timestamp_s_;
-  if (!has_velocity_ || !(gap_s > 0.0) || gap_s > kMaxPredictionGap_s) return T_world_last_frame;
+  if (!can_predict(gap_s)) return T_world_last_frame;
   const Vector6 motion = velocity_per_s_ * gap_s;
   const Pose predicted = T_world_last_frame * se3_exp(motion);
   // Time stamps a hair apart make a velocity that overflows.
@@ -39,8 +43,7 @@ Pose Tracker::predict(double timestamp_s) const {
 }
 
 bool Tracker::predict_step(double timestamp_s, Pose* T_current_previous) const {
-  const double gap_s = timestamp_s - last_timestamp_s_;
-  if (!has_last_ || !has_velocity_ || !(gap_s > 0.0) || gap_s > kMaxPredictionGap_s) return false;
+  if (!can_predict(timestamp_s - last_timestamp_s_)) return false;
   *T_current_previous = predict(timestamp_s).inverse() * T_world_last();
   return true;
 }

@@ -43,6 +43,8 @@ class Tracker {
 
  private:
   Pose T_world_last() const { return map_->T_world_keyframe(last_reference_) * T_reference_last_; }
+  /// Whether the velocity says something about a frame so long after the last one.
+  bool can_predict(double gap_s) const;
   Pose predict(double timestamp_s) const;
   bool track_from_last(const Pose& T_world_camera_guess, double radius_px, FeatureFrame* frame,
                        Pose* T_world_camera);

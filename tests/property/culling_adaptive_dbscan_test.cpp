@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -182,7 +183,7 @@ AdaptiveDbscanOptions random_options(Rng& rng) {
       rng.coin() ? DepthGrouping::kGapLinkage : DepthGrouping::kAnchored;
   const NeighborSearch searches[] = {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce,
                                      NeighborSearch::kSweep, NeighborSearch::kGrid};
-  options.search = searches[rng.uniform_int(0, 2)];
+  options.search = searches[rng.uniform_int(0, int(std::size(searches)) - 1)];
   return options;
 }
 

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -42,29 +43,46 @@ ReferenceClusters clusters_of(const std::vector<Point>& points, const DbscanOpti
   return clusters;
 }
 
+/// Calls compare(d) for the dimensions 1 to 6, d being a std::integral_constant.
+template <typename Compare>
+void for_each_dimension(const Compare& compare) {
+  compare(std::integral_constant<std::size_t, 1>{});
+  compare(std::integral_constant<std::size_t, 2>{});
+  compare(std::integral_constant<std::size_t, 3>{});
+  compare(std::integral_constant<std::size_t, 4>{});
+  compare(std::integral_constant<std::size_t, 5>{});
+  compare(std::integral_constant<std::size_t, 6>{});
+}
+
+/// Every search against the definition, on `n` points.
+template <typename Scalar, std::size_t D>
+void compare_searches(PointPattern pattern, std::size_t n, DbscanOptions options, Rng& rng) {
+  const auto points = points_to_cluster<Scalar, D>(pattern, n, rng);
+  if (pattern == PointPattern::kLattice) options.eps = 0.125;
+  const ReferenceClusters expected = reference_dbscan(points, options.eps, options.min_points);
+  for (const NeighborSearch search : {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce,
+                                      NeighborSearch::kSweep, NeighborSearch::kGrid}) {
+    options.search = search;
+    const ReferenceClusters found = clusters_of(points, options);
+    SCOPED_TRACE(test::to_string(pattern) + ", " + std::to_string(n) + " points of " +
+                 std::to_string(D) + " dimensions, eps " + std::to_string(options.eps) +
+                 ", min_points " + std::to_string(options.min_points) + ", " + to_string(search));
+    ASSERT_EQ(found.labels, expected.labels);
+    ASSERT_EQ(found.kinds, expected.kinds);
+    ASSERT_EQ(found.num_clusters, expected.num_clusters);
+  }
+}
+
 template <typename Scalar, std::size_t D>
 void compare_with_definition(Rng& rng) {
   for (const PointPattern pattern : kPointPatterns) {
     // Few points, a bit each; more; and so many that cells fill.
     for (const int max_points : {20, 256, 600}) {
       const auto n = std::size_t(rng.uniform_int(1, max_points));
-      const auto points = points_to_cluster<Scalar, D>(pattern, n, rng);
       DbscanOptions options;
-      options.eps = pattern == PointPattern::kLattice ? 0.125 : rng.uniform(0.05, 0.3);
+      options.eps = rng.uniform(0.05, 0.3);
       options.min_points = rng.uniform_int(1, 7);
-      const ReferenceClusters expected = reference_dbscan(points, options.eps, options.min_points);
-      for (const NeighborSearch search : {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce,
-                                          NeighborSearch::kSweep, NeighborSearch::kGrid}) {
-        options.search = search;
-        const ReferenceClusters found = clusters_of(points, options);
-        SCOPED_TRACE(test::to_string(pattern) + ", " + std::to_string(n) + " points of " +
-                     std::to_string(D) + " dimensions, eps " + std::to_string(options.eps) +
-                     ", min_points " + std::to_string(options.min_points) + ", " +
-                     to_string(search));
-        ASSERT_EQ(found.labels, expected.labels);
-        ASSERT_EQ(found.kinds, expected.kinds);
-        ASSERT_EQ(found.num_clusters, expected.num_clusters);
-      }
+      compare_searches<Scalar, D>(pattern, n, options, rng);
     }
   }
 }
@@ -77,40 +95,23 @@ void compare_sizes(Rng& rng) {
                               127U, 128U, 129U, 191U, 193U, 257U, 321U, 385U, 511U, 512U, 513U}) {
     const PointPattern pattern =
         kPointPatterns[std::size_t(rng.uniform_int(0, int(std::size(kPointPatterns)) - 1))];
-    const auto points = points_to_cluster<Scalar, D>(pattern, n, rng);
     DbscanOptions options;
-    options.eps = pattern == PointPattern::kLattice ? 0.125 : std::exp(rng.uniform(-3.5, 0.5));
+    options.eps = std::exp(rng.uniform(-3.5, 0.5));
     options.min_points = rng.uniform_int(1, 9);
-    const ReferenceClusters expected = reference_dbscan(points, options.eps, options.min_points);
-    for (const NeighborSearch search : {NeighborSearch::kAutomatic, NeighborSearch::kBruteForce,
-                                        NeighborSearch::kSweep, NeighborSearch::kGrid}) {
-      options.search = search;
-      const ReferenceClusters found = clusters_of(points, options);
-      SCOPED_TRACE(test::to_string(pattern) + ", " + std::to_string(n) + " points of " +
-                   std::to_string(D) + " dimensions, eps " + std::to_string(options.eps) +
-                   ", min_points " + std::to_string(options.min_points) + ", " + to_string(search));
-      ASSERT_EQ(found.labels, expected.labels);
-      ASSERT_EQ(found.kinds, expected.kinds);
-    }
+    compare_searches<Scalar, D>(pattern, n, options, rng);
   }
 }
 
-template <typename Scalar>
-void compare_sizes_in_all_dimensions(Rng& rng) {
-  compare_sizes<Scalar, 1>(rng);
-  compare_sizes<Scalar, 2>(rng);
-  compare_sizes<Scalar, 3>(rng);
-  compare_sizes<Scalar, 4>(rng);
-  compare_sizes<Scalar, 5>(rng);
-  compare_sizes<Scalar, 6>(rng);
-}
-
 TEST(DbscanProperty, SizesAroundEveryThresholdInFloat) {
-  for_each_seed(8, compare_sizes_in_all_dimensions<float>);
+  for_each_seed(8, [](Rng& rng) {
+    for_each_dimension([&](auto d) { compare_sizes<float, decltype(d)::value>(rng); });
+  });
 }
 
 TEST(DbscanProperty, SizesAroundEveryThresholdInDouble) {
-  for_each_seed(8, compare_sizes_in_all_dimensions<double>);
+  for_each_seed(8, [](Rng& rng) {
+    for_each_dimension([&](auto d) { compare_sizes<double, decltype(d)::value>(rng); });
+  });
 }
 
 template <std::size_t D>
@@ -156,22 +157,16 @@ TEST(DbscanProperty, TransposingExchangesRowsAndColumns) {
   });
 }
 
-template <typename Scalar>
-void compare_all_dimensions(Rng& rng) {
-  compare_with_definition<Scalar, 1>(rng);
-  compare_with_definition<Scalar, 2>(rng);
-  compare_with_definition<Scalar, 3>(rng);
-  compare_with_definition<Scalar, 4>(rng);
-  compare_with_definition<Scalar, 5>(rng);
-  compare_with_definition<Scalar, 6>(rng);
-}
-
 TEST(DbscanProperty, EverySearchFindsWhatTheDefinitionSaysInFloat) {
-  for_each_seed(4, compare_all_dimensions<float>);
+  for_each_seed(4, [](Rng& rng) {
+    for_each_dimension([&](auto d) { compare_with_definition<float, decltype(d)::value>(rng); });
+  });
 }
 
 TEST(DbscanProperty, EverySearchFindsWhatTheDefinitionSaysInDouble) {
-  for_each_seed(4, compare_all_dimensions<double>);
+  for_each_seed(4, [](Rng& rng) {
+    for_each_dimension([&](auto d) { compare_with_definition<double, decltype(d)::value>(rng); });
+  });
 }
 
 TEST(DbscanProperty, OrderOfThePointsChangesNothingButNumbers) {
