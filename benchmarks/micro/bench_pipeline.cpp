@@ -89,7 +89,7 @@ void BM_CullingModule(benchmark::State& state) {
     if (people) frame.detections = boxes;
     const SceneReport report = scene.assess(frame, features[i].features);
     detail::Stopwatch stopwatch;
-    const CullingReport culled = culling.cull(frame, report, nullptr, &scene);
+    const CullingReport culled = culling.cull(frame, features[i].features, report, nullptr, scene);
     state.SetIterationTime(1e-3 * stopwatch.lap_ms());
     if (!culled.status.ok()) state.SkipWithError(culled.status.reason);
     num_removed += culled.removal.num_removed;

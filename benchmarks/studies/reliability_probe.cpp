@@ -32,17 +32,15 @@
 namespace {
 
 using srslam::DominantMotionWorkspace;
-using srslam::FlowPoint;
-using srslam::FlowTrack;
 using srslam::ImageView;
-using srslam::LucasKanadeOptions;
-using srslam::LucasKanadeTracker;
 using srslam::MotionCompensation;
 using srslam::MotionResidualResult;
 using srslam::PinholeCamera;
 using srslam::Pose;
 using srslam::SceneAssessor;
 using srslam::SceneAssessorOptions;
+using srslam::SceneFlow;
+using srslam::SceneFlowOptions;
 using srslam::SceneObservation;
 using srslam::SceneReport;
 
@@ -182,11 +180,11 @@ class HalvedFrame {
   srslam::ImageBuffer<float> depth_m_;
 };
 
-/// One assessor with its tracker, for one greatest age of the reference.
+/// One assessor with its optical flow, for one greatest age of the reference.
 struct AssessedStream {
-  AssessedStream(const PinholeCamera& camera, const LucasKanadeOptions& flow,
+  AssessedStream(const PinholeCamera& camera, const SceneFlowOptions& flow_options,
                  const SceneAssessorOptions& options, int max_age)
-      : tracker(flow), assessor(camera, options_for(options, max_age)) {}
+      : flow(camera, flow_options), assessor(camera, options_for(options, max_age)) {}
 
   static SceneAssessorOptions options_for(SceneAssessorOptions options, int max_age) {
     options.reference.max_age_frames = max_age;
@@ -194,7 +192,7 @@ struct AssessedStream {
     return options;
   }
 
-  LucasKanadeTracker tracker;
+  SceneFlow flow;
   SceneAssessor assessor;
   DominantMotionWorkspace workspace;
 };
@@ -209,11 +207,12 @@ int probe(int argc, char** argv) {
   CLI::App app{"How well the terms of the reliability predict that feature-based tracking fails"};
   srslam::cli::RunSettings settings;
   std::string output;
-  LucasKanadeOptions flow;
+  SceneFlowOptions flow;
   SceneAssessorOptions scene;
   srslam::FeatureOptions orb;
   std::size_t max_frames = 0;
   bool half = false;
+  bool scores_only = false;
   std::vector<int> max_ages = {6};
   app.add_option("--dataset", settings.dataset_folder)->required();
   app.add_option("--camera", settings.camera);
@@ -222,17 +221,27 @@ int probe(int argc, char** argv) {
   app.add_option("--max-frames", max_frames);
   app.add_option("--output", output)->required();
   app.add_flag("--half", half, "halve width and height of the images first");
+  app.add_flag("--scores-only", scores_only, "leave the error out, which takes longest");
   app.add_option("--max-ages", max_ages, "greatest ages of the reference, frames")->delimiter(',');
   app.add_option("--features", orb.num_features);
+  app.add_option("--spurious", scene.residual.spurious_share);
   app.add_option("--noise", scene.residual.noise_px);
   app.add_option("--inlier", scene.residual.motion.inlier_px);
   app.add_option("--inlier-per-flow", scene.residual.motion.inlier_per_flow);
   app.add_option("--min-continuity", scene.min_continuity);
   app.add_option("--coast", scene.max_coasted_frames);
-  app.add_option("--window", flow.window_px);
-  app.add_option("--levels", flow.num_levels);
-  app.add_option("--iterations", flow.max_iterations);
-  app.add_option("--backward-levels", flow.backward_levels);
+  app.add_option("--settle", scene.num_settling_frames);
+  app.add_option("--min-clear", scene.min_clear_share);
+  app.add_option("--nearer", scene.background.nearer_ratio);
+  app.add_option("--covered-frames", scene.background.max_covered_frames);
+  app.add_option("--max-width", flow.max_width_px, "of the image that motion is judged in, px");
+  app.add_option("--edge-reach", flow.edge_reach_px);
+  app.add_option("--corners", flow.corners.num_features);
+  app.add_option("--corner-levels", flow.corners.num_levels);
+  app.add_option("--window", flow.lucas_kanade.window_px);
+  app.add_option("--levels", flow.lucas_kanade.num_levels);
+  app.add_option("--iterations", flow.lucas_kanade.max_iterations);
+  app.add_option("--backward-levels", flow.lucas_kanade.backward_levels);
   CLI11_PARSE(app, argc, argv);
   if (max_frames > 0) settings.max_frames = max_frames;
 
@@ -257,7 +266,8 @@ int probe(int argc, char** argv) {
   for (const int age : max_ages) {
     const std::string suffix = std::to_string(age);
     for (const char* column :
-         {"age", "alive", "R", "dominance", "background", "continuity", "farness"}) {
+         {"age", "alive", "R", "dominance", "background", "continuity", "farness", "settled",
+          "clear"}) {
       out << ',' << column << '_' << suffix;
     }
     for (const char* variant : {"none", "affine", "rigid"}) {
@@ -272,8 +282,6 @@ int probe(int argc, char** argv) {
   srslam::LoadedFrame frame;
   HalvedFrame halved;
   std::vector<srslam::Detection> detections;
-  std::vector<FlowPoint> points;
-  std::vector<FlowPoint> points_guess;
   for (std::size_t i = 0; i < inputs.num_frames; ++i) {
     const srslam::FileStatus loaded = inputs.dataset.load(i, inputs.camera, &frame);
     if (!loaded.ok() || !frame.has_depth) continue;
@@ -287,31 +295,19 @@ int probe(int argc, char** argv) {
     detections.clear();
     if (has_detections) detections = inputs.detections[found].detections;
     if (half) HalvedFrame::halve(&detections);
-    points.clear();
-    for (const srslam::Feature& feature : features.features) {
-      FlowPoint point;
-      point.u_px = feature.u_px;
-      point.v_px = feature.v_px;
-      srslam::describe_flow_point(depth_m, detections, &point);
-      points.push_back(point);
-    }
-
-    out << i << ',' << plain.error_m(features, depth_m, truth[i]) << ',' << detections.size();
+    const double error_m =
+        scores_only ? std::nan("") : plain.error_m(features, depth_m, truth[i]);
+    out << i << ',' << error_m << ',' << detections.size();
     for (std::size_t s = 0; s < streams.size(); ++s) {
       AssessedStream& stream = streams[s];
-      stream.tracker.push(i + 1, gray, points);
+      stream.flow.push(i + 1, gray, depth_m, detections);
       SceneObservation observation;
       observation.frame_id = i + 1;
       observation.detections = detections;
       observation.has_detections = has_detections;
       observation.features = features.features;
       observation.depth_m = depth_m;
-      if (stream.tracker.following()) {
-        for (FlowTrack& track : stream.tracker.tracks()) {
-          if (track.alive) srslam::describe_flow_point(depth_m, detections, &track.current);
-        }
-        observation.tracks = stream.tracker.tracks();
-      }
+      observation.tracks = stream.flow.tracks();
       const SceneReport report = stream.assessor.assess(observation);
       if (s == 0) {
         out << ',' << report.confidence.metric.normalized() << ','
@@ -323,7 +319,8 @@ int probe(int argc, char** argv) {
           motion.candidates[static_cast<std::size_t>(motion.chosen)];
       out << ',' << report.reference_age_frames << ',' << report.terms.alive_share << ','
           << report.reliability << ',' << report.terms.dominance << ','
-          << report.terms.background_share << ',' << chosen.continuity << ',' << chosen.farness;
+          << report.terms.background_share << ',' << chosen.continuity << ',' << chosen.farness << ','
+          << report.terms.settled_share << ',' << report.terms.clear_share;
       if (!report.terms.initial) {
         srslam::MotionResidualOptions options = scene.residual;
         for (const MotionCompensation variant :
@@ -337,7 +334,7 @@ int probe(int argc, char** argv) {
       } else {
         for (int k = 0; k < 18; ++k) out << ",nan";
       }
-      srslam::follow_next_reference(report, camera, &stream.tracker, &points_guess);
+      stream.flow.follow(report);
     }
     out << '\n';
   }

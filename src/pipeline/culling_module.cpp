@@ -7,15 +7,28 @@
 
 namespace srslam::detail {
 
-CullingReport CullingModule::cull(const PipelineFrame& frame, const SceneReport& report,
-                                  const Pose* tracked_T_current_previous, SceneModule* scene) {
+CullingReport CullingModule::cull(const PipelineFrame& frame, ArrayView<const Feature> features,
+                                  const SceneReport& report,
+                                  const Pose* tracked_T_current_previous,
+                                  const SceneModule& scene) {
   CullingReport result;
-  result.status = report.status;
+  points_.clear();
+  for (const Feature& feature : features) {
+    FlowPoint point;
+    point.u_px = feature.u_px;
+    point.v_px = feature.v_px;
+    describe_flow_point(
+        frame.depth_m,
+        frame.has_detections ? frame.detections : ArrayView<const Detection>(), &point);
+    points_.push_back(point);
+  }
+  result.status = tracker_.push(++frame_id_, frame.gray, points_);
+  if (result.status.ok()) result.status = report.status;
   if (!result.status.ok()) {
     previous_depth_m_.clear();
     return result;
   }
-  follow_features_back(report, scene);
+  follow_features_back(report);
 
   DynamicRegionInput input;
   input.tracks = tracks_;
@@ -40,15 +53,15 @@ CullingReport CullingModule::cull(const PipelineFrame& frame, const SceneReport&
   culling_frame.reliability = {report.reliability, report.feature.metric.value};
   culling_frame.initializing = report.terms.initial;
   culling_frame.residual_px = options_.removal.residual == BranchResidual::kRaw
-                                  ? scene->raw_residual_px()
+                                  ? scene.raw_residual_px()
                                   : report.terms.residual_px;
   verdicts_.resize(tracks_.size());
   if (result.status.ok()) {
-    result.removal = cull_dynamic_features(scene->points(), suspicions_, camera_, culling_frame,
+    result.removal = cull_dynamic_features(points_, suspicions_, camera_, culling_frame,
                                            options_.removal, removal_workspace_, verdicts_);
     result.status = result.removal.status;
   }
-  result.points = scene->points();
+  result.points = points_;
   result.suspicions = suspicions_;
   result.verdicts = verdicts_;
   remember_depth(frame.depth_m);
@@ -56,16 +69,15 @@ CullingReport CullingModule::cull(const PipelineFrame& frame, const SceneReport&
 }
 
 /// Where each feature was in the previous frame, sought where the camera's motion has it.
-void CullingModule::follow_features_back(const SceneReport& report, SceneModule* scene) {
-  const ArrayView<const FlowPoint> points = scene->points();
+void CullingModule::follow_features_back(const SceneReport& report) {
   guess_.clear();
   if (report.has_step_motion) {
-    predict_flow_points(points, camera_, report.T_current_previous.inverse(), &guess_);
+    predict_flow_points(points_, camera_, report.T_current_previous.inverse(), &guess_);
   }
-  const Status followed = scene->tracker().track_back(points, guess_, &tracks_);
+  const Status followed = tracker_.track_back(points_, guess_, &tracks_);
   if (!followed.ok() || previous_depth_m_.empty()) {
     tracks_.clear();
-    for (const FlowPoint& point : points) tracks_.push_back({point, point, false});
+    for (const FlowPoint& point : points_) tracks_.push_back({point, point, false});
     return;
   }
   const ImageView<const float> previous_depth_m(previous_depth_m_.data(), camera_.width_px,

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "srslam/core/feature.hpp"
+#include "srslam/core/feature_options.hpp"
 #include "srslam/core/image_view.hpp"
-#include "srslam/pipeline/pipeline_options.hpp"
 
 namespace srslam::detail {
 
@@ -16,10 +16,8 @@ struct OrbFeatures {
   std::vector<BinaryDescriptor> descriptors;
 };
 
-/// ORB features spread evenly over the image and over the pyramid levels, with FAST scores as
-/// responses. Every level is cut into about as many cells as it should give features; cells give
-/// their strongest corners in turn until the level has its share, so that texture in one corner
-/// of the image cannot use up the budget. Keeps its buffers between calls.
+/// ORB features of corners that are spread evenly (CornerPyramid), with FAST scores as responses.
+/// Keeps its buffers between calls.
 class OrbExtractor {
  public:
   explicit OrbExtractor(const FeatureOptions& options);

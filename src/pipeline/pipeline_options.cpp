@@ -9,21 +9,8 @@ Status PipelineOptions::validate() const noexcept {
     return Status::failure(StatusCode::kInvalidArgument, reason);
   };
   const auto share = [](double value) { return value > 0.0 && value <= 1.0; };
-  if (features.num_features < 50 || features.num_features > 20000) {
-    return bad("features.num_features must be in 50..20000");
-  }
-  if (features.num_levels < 1 || features.num_levels > 12) {
-    return bad("features.num_levels must be in 1..12");
-  }
-  if (!(features.scale_factor >= 1.05 && features.scale_factor <= 2.0)) {
-    return bad("features.scale_factor must be in 1.05..2");
-  }
-  if (features.fast_threshold < 1 || features.fast_threshold > 255) {
-    return bad("features.fast_threshold must be in 1..255");
-  }
-  if (features.min_fast_threshold < 1 || features.min_fast_threshold > features.fast_threshold) {
-    return bad("features.min_fast_threshold must be in 1..features.fast_threshold");
-  }
+  const Status feature_status = features.validate();
+  if (!feature_status.ok()) return feature_status;
   if (tracking.min_inliers < 4) return bad("tracking.min_inliers must be at least 4");
   if (tracking.min_relocalized_inliers < tracking.min_inliers) {
     return bad("tracking.min_relocalized_inliers must be at least tracking.min_inliers");
@@ -62,12 +49,13 @@ Status PipelineOptions::validate() const noexcept {
   const Status scene_status = scene.assessor.validate();
   if (!scene_status.ok()) return scene_status;
   // A frame that becomes the reference must still be at hand.
-  if (scene.flow.history < scene.assessor.reference.num_recent_frames()) {
+  if (scene.flow.lucas_kanade.history < scene.assessor.reference.num_recent_frames()) {
     return bad("scene: the tracker's history must hold all candidates for the reference frame");
   }
   if (culling.enabled && !scene.enabled) return bad("culling needs scene: turn both on");
   for (const Status& status :
-       {scene.flow.validate(), culling.regions.validate(), culling.removal.validate()}) {
+       {scene.flow.validate(), culling.flow.validate(), culling.regions.validate(),
+        culling.removal.validate()}) {
     if (!status.ok()) return status;
   }
   return Status::success();

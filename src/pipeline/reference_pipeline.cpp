@@ -105,8 +105,8 @@ Status ReferencePipeline::Impl::check(const PipelineFrame& input) const {
 void ReferencePipeline::Impl::cull(const PipelineFrame& input, PipelineResult* result) {
   Pose T_current_previous = Pose::Identity();
   const bool is_predicted = tracker.predict_step(input.timestamp_s, &T_current_previous);
-  result->culling = culling->cull(input, result->scene,
-                                  is_predicted ? &T_current_previous : nullptr, scene.get());
+  result->culling = culling->cull(input, frame.features, result->scene,
+                                  is_predicted ? &T_current_previous : nullptr, *scene);
   result->has_culling = result->culling.status.ok();
   if (!result->has_culling) return;
   const ArrayView<const CullingVerdict> verdicts = result->culling.verdicts;

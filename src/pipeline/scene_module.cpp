@@ -1,22 +1,13 @@
 #include "pipeline/scene_module.hpp"
 
-#include "srslam/interop/follow_reference.hpp"
-
 namespace srslam::detail {
 
 SceneReport SceneModule::assess(const PipelineFrame& frame, ArrayView<const Feature> features) {
   const ArrayView<const Detection> detections =
       frame.has_detections ? frame.detections : ArrayView<const Detection>();
-  points_.clear();
-  for (const Feature& feature : features) {
-    FlowPoint point;
-    point.u_px = feature.u_px;
-    point.v_px = feature.v_px;
-    describe_flow_point(frame.depth_m, detections, &point);
-    points_.push_back(point);
-  }
   SceneReport report;
-  report.status = tracker_.push(++frame_id_, frame.gray, points_);
+  report.status =
+      flow_.push(++frame_id_, frame.gray, frame.depth_m, detections, frame.feature_mask);
   if (!report.status.ok()) return report;
 
   SceneObservation observation;
@@ -25,15 +16,10 @@ SceneReport SceneModule::assess(const PipelineFrame& frame, ArrayView<const Feat
   observation.has_detections = frame.has_detections;
   observation.features = features;
   observation.depth_m = frame.depth_m;
-  if (tracker_.following()) {
-    for (FlowTrack& track : tracker_.tracks()) {
-      if (track.alive) describe_flow_point(frame.depth_m, detections, &track.current);
-    }
-    observation.tracks = tracker_.tracks();
-  }
+  observation.tracks = flow_.tracks();
   if (with_raw_residual_) measure_raw_residual(observation.tracks);
   report = assessor_.assess(observation);
-  const Status followed = follow_next_reference(report, camera_, &tracker_, &guess_);
+  const Status followed = flow_.follow(report);
   if (report.status.ok()) report.status = followed;
   return report;
 }

@@ -2,22 +2,14 @@
 
 #include <cstdint>
 
+#include "srslam/core/feature_options.hpp"
 #include "srslam/core/status.hpp"
 #include "srslam/culling/dynamic_culling.hpp"
 #include "srslam/culling/dynamic_regions.hpp"
-#include "srslam/scene/lucas_kanade_options.hpp"
 #include "srslam/scene/reliability.hpp"
+#include "srslam/scene/scene_flow_options.hpp"
 
 namespace srslam {
-
-/// Evenly spread ORB features.
-struct FeatureOptions {
-  int num_features = 1000;     ///< wanted per frame, 50..20000
-  int num_levels = 8;          ///< pyramid levels, 1..12
-  double scale_factor = 1.2;   ///< between levels, 1.05..2
-  int fast_threshold = 20;     ///< FAST threshold, 1..255
-  int min_fast_threshold = 7;  ///< where a cell gives nothing above it, 1..fast_threshold
-};
 
 /// Matching and pose solving.
 struct TrackingOptions {
@@ -58,19 +50,20 @@ struct MappingOptions {
 struct SceneOptions {
   bool enabled = false;
   SceneAssessorOptions assessor;
-  LucasKanadeOptions flow;
+  SceneFlowOptions flow;
 };
 
 /// Module D: removes the features that move by themselves before the frame is tracked
 /// (docs/dynamic_culling.md). Needs module S.
 struct CullingOptions {
   bool enabled = false;
+  LucasKanadeOptions flow;        ///< of the features back into the previous frame
   DynamicRegionOptions regions;   ///< stage 1: which features may move
   DynamicCullingOptions removal;  ///< stage 2: which of these go
 };
 
 struct PipelineOptions {
-  FeatureOptions features;
+  FeatureOptions features;  ///< ORB
   TrackingOptions tracking;
   KeyframeOptions keyframes;
   MappingOptions mapping;

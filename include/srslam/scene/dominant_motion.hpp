@@ -27,7 +27,7 @@ enum class FlowModel : std::uint8_t {
 };
 
 struct DominantMotionOptions {
-  double inlier_px = 3.0;  ///< tracks within belong to a motion; > 0, at the reference width
+  double inlier_px = 2.0;  ///< tracks within belong to a motion; > 0, at the reference width
   /// ... plus this share of the tracks' lower quartile of length: over a fast motion of the camera
   /// rolling shutter, blur and the offset between colour and depth make a rigid scene less rigid. A
   /// quartile, so that fast movers do not widen it. >= 0

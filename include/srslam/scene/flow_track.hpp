@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -34,6 +35,26 @@ inline float depth_at(const ImageView<const float>& depth_m, float u_px, float v
   const float value =
       depth_m(static_cast<int>(std::lround(u_px)), static_cast<int>(std::lround(v_px)));
   return value > 0.0F && std::isfinite(value) ? value : 0.0F;
+}
+
+/// Depth at (u, v) [m], or of the nearest surface `reach_px` to the side, above and below if that
+/// is nearer by a share of `min_step` at least. 0 where none of them is valid.
+inline float front_depth_at(const ImageView<const float>& depth_m, float u_px, float v_px,
+                            float reach_px, float min_step) noexcept {
+  const float here_m = depth_at(depth_m, u_px, v_px);
+  if (!(reach_px > 0.0F)) return here_m;
+  float nearest_m = here_m;
+  float farthest_m = here_m;
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) {
+      const float side_m = depth_at(depth_m, u_px + static_cast<float>(du) * reach_px,
+                                    v_px + static_cast<float>(dv) * reach_px);
+      if (!(side_m > 0.0F)) continue;
+      if (!(nearest_m > 0.0F) || side_m < nearest_m) nearest_m = side_m;
+      farthest_m = std::max(farthest_m, side_m);
+    }
+  }
+  return farthest_m > (1.0F + min_step) * nearest_m ? nearest_m : here_m;
 }
 
 /// Sets depth of `point` from the image, and whether a box of a movable object holds it. An empty

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -49,11 +50,15 @@ struct MotionResidualOptions {
   DominantMotionOptions motion;  ///< its reference_width_px holds for the residual, too
   /// A compensated motion vector is shortened by this [px at the reference width], the noise of
   /// tracks that stand still, which grows as the camera moves. >= 0
-  double noise_px = 0.5;
+  double noise_px = 1.0;
   /// A compensated motion vector counts with at most this length [px at the reference width]: what
   /// moves counts by how much of the image it is, not by how fast it is or by how wrong a track.
   /// Infinite: not limited. > 0
   double max_vector_px = 5.0;
+  /// Share of tracks that are wrong in a rigid scene, too: depth from beside an edge, flow that has
+  /// slipped, the more the faster the camera is. So many of the longest compensated vectors are
+  /// left out, and inliers count as a share of the others. [0, 1)
+  double spurious_share = 0.05;
   /// Share of usable tracks with depth below which kRigid becomes kAffine; [0, 1].
   double min_depth_share = 0.3;
 
@@ -63,6 +68,9 @@ struct MotionResidualOptions {
     }
     if (!(max_vector_px > 0.0)) {
       return Status::failure(StatusCode::kInvalidArgument, "max_vector_px must be positive");
+    }
+    if (!(spurious_share >= 0.0) || !(spurious_share < 1.0)) {
+      return Status::failure(StatusCode::kInvalidArgument, "spurious_share must be in [0, 1)");
     }
     if (!(noise_px >= 0.0) || !std::isfinite(noise_px)) {
       return Status::failure(StatusCode::kInvalidArgument,
@@ -89,7 +97,8 @@ struct MotionResidualResult {
   int num_alive = 0;
   int num_used = 0;           ///< alive and, if compensated, predicted by the camera's motion
   double alive_share = 0.0;   ///< of the given tracks
-  double inlier_share = 0.0;  ///< of usable tracks, with the camera's motion; 0 for kNone
+  /// Of usable tracks without the spurious share, with the camera's motion; 0 for kNone.
+  double inlier_share = 0.0;
   /// How far the camera's motion outweighs the strongest other one: their shares' ratio, 1 without
   /// a rival and 0.5 with an equal one.
   double dominance = 1.0;
@@ -168,23 +177,46 @@ inline bool begin_residual(ArrayView<const FlowTrack> tracks, const PinholeCamer
   return true;
 }
 
+/// Squared length that all but the longest `spurious_share` of the vectors keep within.
+template <typename LeftOver>
+float longest_that_counts(const LeftOver& left_over, std::size_t size, double spurious_share,
+                          DominantMotionWorkspace* workspace) {
+  std::vector<float>& lengths_px2 = workspace->squared_error_px2;
+  lengths_px2.clear();
+  Eigen::Vector2d left_px;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (left_over(i, &left_px)) lengths_px2.push_back(float(left_px.squaredNorm()));
+  }
+  if (lengths_px2.empty()) return 0.0F;
+  const auto num_spurious = static_cast<std::size_t>(spurious_share * double(lengths_px2.size()));
+  const auto last = lengths_px2.end() - static_cast<std::ptrdiff_t>(num_spurious) - 1;
+  std::nth_element(lengths_px2.begin(), last, lengths_px2.end());
+  return *last;
+}
+
 /// Means over what the camera's motion leaves of the usable tracks, which the workspace holds.
 template <typename Model>
 void measure_residual(const Model& model, const typename Model::Parameters& motion,
                       ArrayView<const FlowTrack> tracks, const PinholeCamera& camera,
-                      const MotionResidualOptions& options,
-                      const DominantMotionWorkspace& workspace,
-                      MotionResidualResult* result) noexcept {
+                      const MotionResidualOptions& options, DominantMotionWorkspace* workspace,
+                      MotionResidualResult* result) {
   ResidualSums sums;
   const double px_scale = double(camera.width_px) / options.motion.reference_width_px;
   const double max_length_px = options.max_vector_px * px_scale;
   const double noise_px = options.noise_px * px_scale;
-  Eigen::Vector2d predicted_px;
-  for (std::size_t i = 0; i < workspace.track.size(); ++i) {
-    if (!model.predict(motion, workspace, i, &predicted_px)) continue;
-    const FlowPoint& reference = tracks[static_cast<std::size_t>(workspace.track[i])].reference;
-    const Eigen::Vector2d observed_px(double(workspace.u_px[i]), double(workspace.v_px[i]));
-    Eigen::Vector2d left_px = observed_px - predicted_px;
+  const auto left_over = [&](std::size_t i, Eigen::Vector2d* left_px) {
+    Eigen::Vector2d predicted_px;
+    if (!model.predict(motion, *workspace, i, &predicted_px)) return false;
+    *left_px =
+        Eigen::Vector2d(double(workspace->u_px[i]), double(workspace->v_px[i])) - predicted_px;
+    return true;
+  };
+  const float longest_px2 =
+      longest_that_counts(left_over, workspace->track.size(), options.spurious_share, workspace);
+  Eigen::Vector2d left_px;
+  for (std::size_t i = 0; i < workspace->track.size(); ++i) {
+    if (!left_over(i, &left_px) || float(left_px.squaredNorm()) > longest_px2) continue;
+    const FlowPoint& reference = tracks[static_cast<std::size_t>(workspace->track[i])].reference;
     const double length_px = left_px.norm();
     const double counted_px = std::clamp(length_px - noise_px, 0.0, max_length_px);
     if (length_px > 0.0) left_px *= counted_px / length_px;
@@ -193,7 +225,8 @@ void measure_residual(const Model& model, const typename Model::Parameters& moti
              left_px);
   }
   sums.finish(px_scale, options.cell_mean, result);
-  result->inlier_share = result->motion.inlier_share;
+  result->inlier_share =
+      std::min(1.0, result->motion.inlier_share / (1.0 - options.spurious_share));
   const double shares = result->motion.inlier_share + result->motion.rival_share;
   result->dominance = shares > 0.0 ? result->motion.inlier_share / shares : 0.0;
 }
@@ -244,7 +277,7 @@ inline MotionResidualResult motion_residual(ArrayView<const FlowTrack> tracks,
     if (result.motion.status.ok()) {
       result.compensation = MotionCompensation::kRigid;
       detail::measure_residual(detail::RigidModel(camera), result.motion.T_current_reference,
-                               tracks, camera, options, *workspace, &result);
+                               tracks, camera, options, workspace, &result);
       return result;
     }
   }
@@ -256,7 +289,7 @@ inline MotionResidualResult motion_residual(ArrayView<const FlowTrack> tracks,
     return result;
   }
   detail::measure_residual(detail::AffineModel{}, result.motion.affine, tracks, camera, options,
-                           *workspace, &result);
+                           workspace, &result);
   return result;
 }
 
@@ -277,7 +310,7 @@ inline MotionResidualResult motion_residual_given_pose(ArrayView<const FlowTrack
     return result;
   }
   detail::measure_residual(detail::RigidModel(camera), T_current_reference, tracks, camera, options,
-                           *workspace, &result);
+                           workspace, &result);
   return result;
 }
 

@@ -17,6 +17,7 @@
 #include "srslam/core/plain_pose.hpp"
 #include "srslam/core/pose.hpp"
 #include "srslam/core/status.hpp"
+#include "srslam/scene/background_depth.hpp"
 #include "srslam/scene/classification.hpp"
 #include "srslam/scene/flow_track.hpp"
 #include "srslam/scene/motion_residual.hpp"
@@ -35,6 +36,7 @@ struct SceneAssessorOptions {
   CurrentReliabilityOptions current = geometric_mean();
   MotionResidualOptions residual;
   ReferenceOptions reference;
+  BackgroundDepthOptions background;
   ResidualFactorForm factor = ResidualFactorForm::kExponential;
   double residual_scale_px = 5.0;  ///< R_cb, at the reference width; > 0
   double threshold = 0.20;         ///< th_scene; finite, >= 0
@@ -42,6 +44,9 @@ struct SceneAssessorOptions {
   /// of movable objects, the motion may be theirs and the reliability falls in proportion, to 0
   /// when they cover everything. [0, 1], 0: not asked
   double min_background_share = 0.5;
+  /// When less than this share of the view is clear of what has come before the background
+  /// (BackgroundDepth), detected or not, the reliability falls in proportion. [0, 1], 0: not asked
+  double min_clear_share = 0.5;
   /// A motion that continues the camera's so far less than this (MotionCandidate::continuity) is
   /// not taken for its: the reliability falls in proportion, and the camera is thought to go on as
   /// it did, but for no more than `max_coasted_frames` in a row. [0, 1], 0: not asked
@@ -49,8 +54,8 @@ struct SceneAssessorOptions {
   int max_coasted_frames = 0;  ///< >= 0
   /// When every track of the reference was lost, nobody knows how what is seen now moves against
   /// what was seen before: the reliability begins at 0 again and is back after so many frames that
-  /// are connected by tracks. 0: not asked
-  int num_settling_frames = 30;
+  /// are connected by tracks. 0: not asked, as what covers the view is known (min_clear_share)
+  int num_settling_frames = 0;
   /// Powers with which these multiply Eq. 7; >= 0, 0 as printed: the share of tracks that move with
   /// the camera, its weight against the strongest other motion, and the share still followed.
   double inlier_share_power = 1.0;
@@ -60,7 +65,7 @@ struct SceneAssessorOptions {
   Status validate() const noexcept {
     for (const Status& status :
          {confidence.validate(), spatial.validate(), feature.validate(), depth.validate(),
-          current.validate(), residual.validate(), reference.validate()}) {
+          current.validate(), residual.validate(), reference.validate(), background.validate()}) {
       if (!status.ok()) return status;
     }
     const auto power = [](double x) { return x >= 0.0 && std::isfinite(x); };
@@ -75,6 +80,9 @@ struct SceneAssessorOptions {
     if (!(min_background_share >= 0.0) || min_background_share > 1.0) {
       return Status::failure(StatusCode::kInvalidArgument,
                              "min_background_share must be in [0, 1]");
+    }
+    if (!(min_clear_share >= 0.0) || min_clear_share > 1.0) {
+      return Status::failure(StatusCode::kInvalidArgument, "min_clear_share must be in [0, 1]");
     }
     if (!(min_continuity >= 0.0) || min_continuity > 1.0) {
       return Status::failure(StatusCode::kInvalidArgument, "min_continuity must be in [0, 1]");
@@ -111,6 +119,7 @@ struct SceneAssessorOptions {
     options.reference.min_age_frames = 1;
     options.reference.max_age_frames = 30;
     options.min_background_share = 0.0;
+    options.min_clear_share = 0.0;
     options.inlier_share_power = 0.0;
     options.dominance_power = 0.0;
     options.alive_share_power = 0.0;
@@ -129,6 +138,7 @@ struct ReliabilityTerms {
   double continuity = 1.0;        ///< see MotionCandidate; 1 where nothing was predicted
   double settled_share = 1.0;     ///< of num_settling_frames, since tracks were lost altogether
   double background_share = 1.0;  ///< of the inliers, outside boxes of movable objects
+  double clear_share = 1.0;       ///< of the view, with nothing that came before the background
   double alive_share = 1.0;
   bool initial = false;  ///< judged without motion: the other terms do not count
 };
@@ -147,6 +157,7 @@ inline double scene_reliability(const ReliabilityTerms& terms,
          share_term(terms.dominance, options.dominance_power) *
          share_term(terms.alive_share, options.alive_share_power) *
          below(terms.background_share, options.min_background_share) *
+         below(terms.clear_share, options.min_clear_share) *
          below(terms.continuity, options.min_continuity) *
          (options.num_settling_frames > 0 ? terms.settled_share : 1.0);
 }
@@ -178,6 +189,7 @@ struct SceneReport {
   DepthQualityResult depth;                                       ///< Eq. 5
   CurrentReliabilityResult current;                               ///< R_c (Eq. 1)
   MotionResidualResult residual;                                  ///< Eq. 6
+  CoveredResult covered;  ///< by what has come before the background; all 0 without depth
   /// As they enter Eq. 7. The residual is at least residual_scale_px when too few points are left;
   /// shares that cannot be had are 1.
   ReliabilityTerms terms;
@@ -209,7 +221,7 @@ struct SceneReport {
               to_string(residual.compensation) + ") x inliers" + number(terms.inlier_share) +
               " x dominance" + number(terms.dominance) + "; continuity" + number(terms.continuity) +
               ", settled" + number(terms.settled_share) + ", background" +
-              number(terms.background_share) + ", alive" + number(terms.alive_share) +
+              number(terms.background_share) + ", clear" + number(terms.clear_share) + ", alive" + number(terms.alive_share) +
               ", reference " + std::to_string(reference_age_frames) + " frames old";
     }
     text += "; confidence" + number(confidence.metric.normalized()) + " spatial" +
@@ -252,10 +264,14 @@ class SceneAssessor {
     bool has_velocity = false;
     PlainPose T_before_last;     ///< motion into the last frame that was measured
     int num_coasted_frames = 0;  ///< that were not, in a row
+    BackgroundDepth::State background;
   };
 
   explicit SceneAssessor(const PinholeCamera& camera, const SceneAssessorOptions& options = {})
-      : camera_(camera), options_(options), status_(options.validate()) {
+      : camera_(camera),
+        options_(options),
+        status_(options.validate()),
+        background_(camera, options.background) {
     if (status_.ok()) status_ = camera.validate();
     state_.policy = ReferencePolicy(options.reference);
   }
@@ -289,6 +305,7 @@ class SceneAssessor {
     report.reference_age_frames =
         state_.policy.has_reference() ? state_.policy.age_frames() + 1 : 0;
     measure_motion(frame, &report);
+    measure_covered(frame, &report);
     if (!report.terms.initial) judge_motion(&report);
     report.reliability = scene_reliability(report.terms, options_);
     report.scene_class = classify_scene(report.reliability, options_.threshold);
@@ -398,6 +415,17 @@ class SceneAssessor {
     }
   }
 
+  /// How much of the view is covered. The background moves with the camera, as long as what is
+  /// seen to move can be the camera's motion.
+  void measure_covered(const SceneObservation& frame, SceneReport* report) noexcept {
+    if (frame.depth_m.empty()) return;
+    const bool is_known = report->has_step_motion &&
+                          report->residual.motion.continuity() >= options_.min_continuity;
+    report->covered = background_.update(
+        frame.depth_m, is_known ? &report->T_current_previous : nullptr, &state_.background);
+    report->terms.clear_share = 1.0 - report->covered.covered_share;
+  }
+
   /// The terms of Eq. 7 that motion gives.
   void judge_motion(SceneReport* report) const noexcept {
     const MotionResidualResult& residual = report->residual;
@@ -446,6 +474,9 @@ class SceneAssessor {
     if (report->terms.background_share < options_.min_background_share) {
       consider("share of background", report->terms.background_share);
     }
+    if (report->terms.clear_share < options_.min_clear_share) {
+      consider("share of clear view", report->terms.clear_share);
+    }
     if (report->terms.continuity < options_.min_continuity) {
       consider("continuity", report->terms.continuity);
     }
@@ -457,6 +488,7 @@ class SceneAssessor {
   PinholeCamera camera_;
   SceneAssessorOptions options_;
   Status status_;
+  BackgroundDepth background_;
   State state_;
   DominantMotionWorkspace workspace_;
 };
