@@ -226,6 +226,8 @@ int probe(int argc, char** argv) {
   app.add_option("--features", orb.num_features);
   app.add_option("--spurious", scene.residual.spurious_share);
   app.add_option("--noise", scene.residual.noise_px);
+  app.add_option("--min-motion-share", scene.residual.motion.min_motion_share);
+  app.add_option("--vote-floor", scene.residual.motion.vote_floor);
   app.add_option("--inlier", scene.residual.motion.inlier_px);
   app.add_option("--inlier-per-flow", scene.residual.motion.inlier_per_flow);
   app.add_option("--min-continuity", scene.min_continuity);
@@ -265,9 +267,8 @@ int probe(int argc, char** argv) {
   out << "frame,error_m,num_detections,confidence,spatial,feature,depth,current";
   for (const int age : max_ages) {
     const std::string suffix = std::to_string(age);
-    for (const char* column :
-         {"age", "alive", "R", "dominance", "background", "continuity", "farness", "settled",
-          "clear"}) {
+    for (const char* column : {"age", "alive", "R", "dominance", "background", "continuity",
+                               "farness", "settled", "clear"}) {
       out << ',' << column << '_' << suffix;
     }
     for (const char* variant : {"none", "affine", "rigid"}) {
@@ -295,8 +296,7 @@ int probe(int argc, char** argv) {
     detections.clear();
     if (has_detections) detections = inputs.detections[found].detections;
     if (half) HalvedFrame::halve(&detections);
-    const double error_m =
-        scores_only ? std::nan("") : plain.error_m(features, depth_m, truth[i]);
+    const double error_m = scores_only ? std::nan("") : plain.error_m(features, depth_m, truth[i]);
     out << i << ',' << error_m << ',' << detections.size();
     for (std::size_t s = 0; s < streams.size(); ++s) {
       AssessedStream& stream = streams[s];
@@ -319,8 +319,8 @@ int probe(int argc, char** argv) {
           motion.candidates[static_cast<std::size_t>(motion.chosen)];
       out << ',' << report.reference_age_frames << ',' << report.terms.alive_share << ','
           << report.reliability << ',' << report.terms.dominance << ','
-          << report.terms.background_share << ',' << chosen.continuity << ',' << chosen.farness << ','
-          << report.terms.settled_share << ',' << report.terms.clear_share;
+          << report.terms.background_share << ',' << chosen.continuity << ',' << chosen.farness
+          << ',' << report.terms.settled_share << ',' << report.terms.clear_share;
       if (!report.terms.initial) {
         srslam::MotionResidualOptions options = scene.residual;
         for (const MotionCompensation variant :

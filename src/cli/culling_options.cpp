@@ -172,6 +172,19 @@ std::vector<PipelineOption> culling_option_table() {
                   },
                   0.0, kMuch, true},
        "m", "upper limit of the depth threshold"},
+      {"culling.flow_window_px",
+       IntOption{[](O& o) -> int& { return o.culling.flow.window_px; }, 3, 63}, "px",
+       "side of the window of the optical flow back into the previous frame"},
+      {"culling.flow_levels",
+       IntOption{[](O& o) -> int& { return o.culling.flow.num_levels; }, 1, 10}, "",
+       "pyramid levels of that optical flow"},
+      {"culling.flow_iterations",
+       IntOption{[](O& o) -> int& { return o.culling.flow.max_iterations; }, 1, 100}, "",
+       "of that optical flow a level, at most"},
+      {"culling.flow_forward_backward_px",
+       RealOption{[](O& o) -> double& { return o.culling.flow.max_forward_backward_px; }, 0.0,
+                  kMuch},
+       "px", "a feature followed back and forth must end this near; 0: not checked"},
   };
 }
 

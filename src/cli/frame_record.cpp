@@ -9,7 +9,7 @@ namespace srslam::cli {
 
 namespace {
 
-constexpr int kNumSceneColumns = 18;
+constexpr int kNumSceneColumns = 19;
 constexpr int kNumCullingColumns = 17;
 constexpr int kTimeDecimals = 3;
 
@@ -28,13 +28,14 @@ std::string scene_columns(const SceneReport& scene) {
     line += "," + optional_text(value, kDecimals);
   }
   if (scene.terms.initial) {
-    line += ",,,,,,,,,,";
+    line += ",,,,,,,,,,,";
   } else {
     line += "," + fixed_text(scene.terms.residual_px, kDecimals) + "," +
             to_string(scene.residual.compensation) + "," +
             fixed_text(scene.terms.inlier_share, kDecimals) + "," +
             fixed_text(scene.terms.dominance, kDecimals) + "," +
             fixed_text(scene.terms.background_share, kDecimals) + "," +
+            fixed_text(scene.terms.clear_share, kDecimals) + "," +
             fixed_text(scene.terms.continuity, kDecimals) + "," +
             fixed_text(scene.terms.settled_share, kDecimals) + "," +
             fixed_text(scene.terms.alive_share, kDecimals) + "," +
@@ -68,8 +69,8 @@ std::string frames_csv_header() {
       "relocalized,is_keyframe,keyframe_reason,num_keyframes,num_map_points,scene_class,"
       "reliability,"
       "current_reliability,confidence,spatial,feature,depth,residual_px,residual_kind,inlier_share,"
-      "dominance,background_share,continuity,settled_share,alive_share,motion_certainty,reference_"
-      "age_frames,"
+      "dominance,background_share,clear_share,continuity,settled_share,alive_share,"
+      "motion_certainty,reference_age_frames,"
       "scene_reason,"
       "culling_branch,num_flow_tracks,num_in_objects,num_flow_anomalies,num_epipolar_anomalies,"
       "num_depth_anomalies,num_near_anomaly,num_potential,num_clusters,num_dynamic_clusters,"

@@ -8,8 +8,7 @@
 namespace srslam::detail {
 
 CullingReport CullingModule::cull(const PipelineFrame& frame, ArrayView<const Feature> features,
-                                  const SceneReport& report,
-                                  const Pose* tracked_T_current_previous,
+                                  const SceneReport& report, const Pose* tracked_T_current_previous,
                                   const SceneModule& scene) {
   CullingReport result;
   points_.clear();
@@ -17,9 +16,9 @@ CullingReport CullingModule::cull(const PipelineFrame& frame, ArrayView<const Fe
     FlowPoint point;
     point.u_px = feature.u_px;
     point.v_px = feature.v_px;
-    describe_flow_point(
-        frame.depth_m,
-        frame.has_detections ? frame.detections : ArrayView<const Detection>(), &point);
+    describe_flow_point(frame.depth_m,
+                        frame.has_detections ? frame.detections : ArrayView<const Detection>(),
+                        &point);
     points_.push_back(point);
   }
   result.status = tracker_.push(++frame_id_, frame.gray, points_);

@@ -58,9 +58,9 @@ struct OrbExtractor::Impl {
   explicit Impl(const FeatureOptions& options) : corners(options, kBorder) {
     for (const CornerPyramid::Level& level : corners.levels()) scales.push_back(level.scale);
     // One level only: the pyramid is ours, each level is described as an image of its own.
-    descriptor = cv::ORB::create(options.num_features, 1.2F, 1,
-                                 kBorder - CornerPyramid::kFastMargin, 0, 2, cv::ORB::FAST_SCORE,
-                                 kPatchSize, options.fast_threshold);
+    descriptor =
+        cv::ORB::create(options.num_features, 1.2F, 1, kBorder - CornerPyramid::kFastMargin, 0, 2,
+                        cv::ORB::FAST_SCORE, kPatchSize, options.fast_threshold);
   }
 
   CornerPyramid corners;

@@ -53,9 +53,8 @@ Status PipelineOptions::validate() const noexcept {
     return bad("scene: the tracker's history must hold all candidates for the reference frame");
   }
   if (culling.enabled && !scene.enabled) return bad("culling needs scene: turn both on");
-  for (const Status& status :
-       {scene.flow.validate(), culling.flow.validate(), culling.regions.validate(),
-        culling.removal.validate()}) {
+  for (const Status& status : {scene.flow.validate(), culling.flow.validate(),
+                               culling.regions.validate(), culling.removal.validate()}) {
     if (!status.ok()) return status;
   }
   return Status::success();

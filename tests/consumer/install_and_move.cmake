@@ -39,8 +39,9 @@ foreach(header IN LISTS headers)
   get_filename_component(name "${header}" NAME_WE)
   string(REGEX REPLACE "^srslam/([^/]+)/.*" "\\1" component "${header}")
   if(component STREQUAL "interop")
-    # interop/<component>.hpp or interop/<component>_<what>.hpp; the tracker is for OpenCV.
-    string(REGEX REPLACE "^(lucas_kanade|follow_reference)$" "opencv" component "${name}")
+    # interop/<component>.hpp or interop/<component>_<what>.hpp; optical flow is OpenCV's.
+    string(REGEX REPLACE "^(corner_pyramid|lucas_kanade|follow_reference|scene_flow)$" "opencv"
+                         component "${name}")
     string(REGEX REPLACE "_.*" "" component "${component}")
   elseif(component STREQUAL header)
     set(component srslam)

@@ -10,7 +10,6 @@
 #include <functional>
 #include <iostream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -257,7 +256,7 @@ TEST(SceneModule, CameraMotionAloneDoesNotLowerReliability) {
     std::cout << "speed " << speed << ": R / R_c " << sum / double(reports.size() - 5)
               << ", smallest " << smallest << "\n";
     // What is left are tracks that drift, the more the farther they go.
-    EXPECT_GT(sum / double(reports.size() - 5), 0.8) << speed;
+    EXPECT_GT(sum / double(reports.size() - 5), 0.97) << speed;
   }
 }
 
@@ -289,40 +288,50 @@ ImageSequence halved(const ImageSequence& sequence) {
   return half;
 }
 
-/// Frames from `first` on that both resolutions put in the same class, and the number of GOOD ones
-/// at full size.
-std::pair<std::size_t, std::size_t> agreement(const ImageSequence& sequence, std::size_t first) {
-  const std::vector<SceneReport> full = judge(sequence);
-  const std::vector<SceneReport> half = judge(halved(sequence));
-  std::size_t num_same = 0;
-  std::size_t num_good = 0;
-  for (std::size_t i = first; i < full.size(); ++i) {
-    if (full[i].scene_class == half[i].scene_class) ++num_same;
-    if (full[i].scene_class == SceneClass::kGood) ++num_good;
+struct Agreement {
+  std::size_t num_frames = 0;
+  std::size_t num_same = 0;  ///< that both resolutions put in the same class
+  std::size_t num_good = 0;  ///< at full size
+
+  void add(const ImageSequence& sequence) {
+    const std::vector<SceneReport> full = judge(sequence);
+    const std::vector<SceneReport> half = judge(halved(sequence));
+    for (std::size_t i = 0; i < full.size(); ++i) {
+      ++num_frames;
+      if (full[i].scene_class == half[i].scene_class) ++num_same;
+      if (full[i].scene_class == SceneClass::kGood) ++num_good;
+    }
   }
-  return {num_same, num_good};
-}
+};
 
 TEST(SceneModule, HalfTheResolutionGivesTheSameClasses) {
-  ImageSequence sequence = rendered(full_camera(), 50);
-  const auto [num_same_still, num_good_still] = agreement(sequence, 0);
-  EXPECT_EQ(num_same_still, 50U);
-  EXPECT_EQ(num_good_still, 50U);
-  // Somebody comes. Not compared are the frames whose reference may be from before: which one that
-  // is, is decided by differences in the third decimal.
-  for (std::size_t i = kFirst; i < 50; ++i) inject_people(0.6, i, &sequence);
-  const auto [num_same, num_good] = agreement(sequence, kFirst + 6);
-  std::cout << num_same << " of 36 frames in the same class, " << num_good << " GOOD\n";
-  EXPECT_EQ(num_same, 36U);
-  EXPECT_LT(num_good, 30U);
+  const ImageSequence room = rendered(full_camera(), 50);
+  Agreement still;
+  still.add(room);
+  EXPECT_EQ(still.num_same, 50U);
+  EXPECT_EQ(still.num_good, 50U);
+  // Somebody comes, from a fifth of the image to more than half of it.
+  Agreement people;
+  for (const double share : {0.3, 0.6, 0.9}) {
+    ImageSequence sequence = room;
+    for (std::size_t i = kFirst; i < 50; ++i) inject_people(share, i, &sequence);
+    people.add(sequence);
+  }
+  std::cout << people.num_same << " of " << people.num_frames << " frames in the same class, "
+            << people.num_good << " GOOD\n";
+  EXPECT_GE(double(people.num_same), 0.98 * double(people.num_frames));
+  EXPECT_LT(double(people.num_good), 0.7 * double(people.num_frames));
 }
 
 TEST(SceneModule, HalfTheResolutionGivesTheSameClassesOnRealImages) {
-  ImageSequence sequence = real("bonn_crowd_a", "bonn", 180, 50);
+  // Nobody, and then people who come.
+  const ImageSequence sequence = real("bonn_crowd_a", "bonn", 180, 50);
   if (sequence.frames.empty()) GTEST_SKIP() << test::skip_reason("bonn_crowd_a");
-  const auto [num_same, num_good] = agreement(sequence, 0);
-  std::cout << num_same << " of 50 frames in the same class, " << num_good << " GOOD\n";
-  EXPECT_GE(double(num_same), 0.98 * 50);
+  Agreement agreement;
+  agreement.add(sequence);
+  std::cout << agreement.num_same << " of 50 frames in the same class, " << agreement.num_good
+            << " GOOD\n";
+  EXPECT_GE(double(agreement.num_same), 0.98 * 50);
 }
 
 }  // namespace

@@ -265,7 +265,7 @@ TEST_F(ConfigFile, RefusesWhatThePipelineRefuses) {
       const std::string reason = valid.reason;
       // Bounds that follow from another option are not the table's business.
       if (!valid.ok() && reason.find("at least tracking.") == std::string::npos &&
-          reason.find("features.fast_threshold") == std::string::npos &&
+          reason.find("1..fast_threshold") == std::string::npos &&
           reason.find("min_depth_m < max_depth_m") == std::string::npos &&
           reason.find("must not be below min_age_frames") == std::string::npos &&
           reason.find("depth thresholds must be") == std::string::npos) {

@@ -141,14 +141,49 @@ TEST(MotionResidual, GrowsWithIndependentMotion) {
     FlowScene scene;
     scene.mover_share = 0.3;
     scene.T_mover = flow_pose(step_m, 0.0, 0.0, 0.0, 0.0, 0.0);
-    const MotionResidualResult result = residual_of(scene.tracks());
+    MotionResidualOptions options;
+    options.noise_px = 0.0;
+    const MotionResidualResult result = residual_of(scene.tracks(), options);
     ASSERT_TRUE(result.status.ok());
     EXPECT_GT(result.value_px, last);
     EXPECT_LE(result.inlier_share, last_share);
     last = result.value_px;
     last_share = result.inlier_share;
   }
-  EXPECT_NEAR(last_share, 0.7, 0.05);
+  EXPECT_NEAR(last_share, 0.7 / 0.95, 0.05);
+}
+
+TEST(MotionResidual, ASpuriousShareDoesNotCount) {
+  // Nothing moves but every tenth track, by 5, 6, ..., 14 px.
+  std::vector<FlowTrack> tracks;
+  for (int i = 0; i < 100; ++i) {
+    const float step_px = i % 10 == 0 ? 5.0F + float(i / 10) : 0.0F;
+    FlowTrack track = moved(float(6 * i + 15), float((53 * i) % 470), 0, step_px);
+    track.reference.depth_m = 2.0F;
+    tracks.push_back(track);
+  }
+  DominantMotionWorkspace workspace;
+  MotionResidualOptions options;
+  options.noise_px = 0.0;
+  options.max_vector_px = 100.0;
+  const auto measured = [&](double spurious_share) {
+    options.spurious_share = spurious_share;
+    return motion_residual_given_pose(tracks, flow_camera(), Pose::Identity(), options, &workspace);
+  };
+  const MotionResidualResult all = measured(0.0);
+  EXPECT_NEAR(all.mean_magnitude_px, 95.0 / 100.0, 1e-4);
+  EXPECT_NEAR(all.inlier_share, 0.9, 1e-12);
+  EXPECT_EQ(all.num_used, 100);
+  const MotionResidualResult some = measured(0.05);  // 10 to 14 px are left out
+  EXPECT_NEAR(some.mean_magnitude_px, 35.0 / 95.0, 1e-4);
+  EXPECT_NEAR(some.inlier_share, 0.9 / 0.95, 1e-12);
+  EXPECT_EQ(some.num_used, 95);
+  const MotionResidualResult without = measured(0.1);
+  EXPECT_NEAR(without.value_px, 0.0, 1e-4);
+  EXPECT_NEAR(without.inlier_share, 1.0, 1e-12);
+  EXPECT_NEAR(measured(0.2).inlier_share, 1.0, 1e-12);
+  options.spurious_share = 1.0;
+  EXPECT_FALSE(options.validate().ok());
 }
 
 TEST(MotionResidual, WithoutDepthFallsBackToAffineFlow) {

@@ -67,6 +67,7 @@ struct DynamicRegionOptions {
     DominantMotionOptions options;
     options.inlier_px = 0.7;
     options.inlier_per_flow = 0.04;
+    options.min_motion_share = 0.15;
     return options;
   }
 

@@ -190,10 +190,10 @@ class CornerPyramid {
     cell_of_candidate_.resize(candidates_.size());
     cell_begin_.assign(num_cells + 1, 0);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      const auto col = static_cast<int>((candidates_[i].pt.x - float(border_px_)) * float(cols) /
-                                        float(width));
-      const auto row = static_cast<int>((candidates_[i].pt.y - float(border_px_)) * float(rows) /
-                                        float(height));
+      const auto col =
+          static_cast<int>((candidates_[i].pt.x - float(border_px_)) * float(cols) / float(width));
+      const auto row =
+          static_cast<int>((candidates_[i].pt.y - float(border_px_)) * float(rows) / float(height));
       const int cell = std::clamp(row, 0, rows - 1) * cols + std::clamp(col, 0, cols - 1);
       cell_of_candidate_[i] = cell;
       ++cell_begin_[static_cast<std::size_t>(cell) + 1];

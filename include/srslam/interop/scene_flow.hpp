@@ -76,8 +76,8 @@ class SceneFlow {
         point.v_px = to_full(level.to_level0_v(corner.pt.y));
         describe_flow_point(depth_m, detections, &point);
         if (!depth_m.empty()) {
-          point.depth_m = front_depth_at(depth_m, point.u_px, point.v_px, edge_reach_px_,
-                                         kMinDepthStep);
+          point.depth_m =
+              front_depth_at(depth_m, point.u_px, point.v_px, edge_reach_px_, kMinDepthStep);
         }
         point.u_px = level.to_level0_u(corner.pt.x);
         point.v_px = level.to_level0_v(corner.pt.y);

@@ -123,8 +123,7 @@ class BackgroundDepth {
       Point& point = state->points[i];
       if (point.z_m > 0.0F) {
         ++result.num_compared;
-        if (double(seen_m) <
-            options_.nearer_ratio * double(point.z_m) - options_.nearer_margin_m) {
+        if (double(seen_m) < options_.nearer_ratio * double(point.z_m) - options_.nearer_margin_m) {
           ++result.num_covered;
           if (++point.num_covered_frames <= options_.max_covered_frames) continue;
         }
@@ -138,15 +137,31 @@ class BackgroundDepth {
     return result;
   }
 
+  /// Whether the frame seen last showed something before the background at a pixel; false outside
+  /// the image.
+  bool is_covered(const State& state, double u_px, double v_px) const noexcept {
+    const Eigen::Vector2d pixel(u_px, v_px);
+    return camera_.in_image(pixel) && state.points[cell_of(pixel)].num_covered_frames > 0;
+  }
+
  private:
   using Points = std::array<Point, static_cast<std::size_t>(kBackgroundCells)>;
 
-  static constexpr int kSamplesASide = 4;      // of a cell
-  static constexpr int kMinValidSamples = 5;   // of the 16
-  static constexpr int kMinKnownNeighbors = 5; // of 8, to fill a gap
+  static constexpr int kSamplesASide = 4;       // of a cell
+  static constexpr int kMinValidSamples = 5;    // of the 16
+  static constexpr int kMinKnownNeighbors = 5;  // of 8, to fill a gap
 
   double cell_width_px() const noexcept { return double(camera_.width_px) / kBackgroundCols; }
   double cell_height_px() const noexcept { return double(camera_.height_px) / kBackgroundRows; }
+
+  /// Precondition: in the image.
+  std::size_t cell_of(const Eigen::Vector2d& pixel) const noexcept {
+    const int col =
+        std::clamp(static_cast<int>((pixel.x() + 0.5) / cell_width_px()), 0, kBackgroundCols - 1);
+    const int row =
+        std::clamp(static_cast<int>((pixel.y() + 0.5) / cell_height_px()), 0, kBackgroundRows - 1);
+    return static_cast<std::size_t>(row * kBackgroundCols + col);
+  }
 
   Point on_ray(std::size_t cell, float depth_m) const noexcept {
     const Eigen::Vector3f& ray = rays_[cell];
@@ -155,7 +170,7 @@ class BackgroundDepth {
 
   /// Median of samples; 0 when most of them are invalid.
   float cell_depth(const ImageView<const float>& depth_m, int cell) const noexcept {
-    std::array<float, static_cast<std::size_t>(kSamplesASide* kSamplesASide)> samples_m{};
+    std::array<float, static_cast<std::size_t>(kSamplesASide * kSamplesASide)> samples_m{};
     std::size_t num_valid = 0;
     const auto low_m = static_cast<float>(options_.min_depth_m);
     const auto high_m = static_cast<float>(options_.max_depth_m);
@@ -195,11 +210,7 @@ class BackgroundDepth {
           !camera_.in_image(pixel)) {
         continue;
       }
-      const int col = std::clamp(static_cast<int>((pixel.x() + 0.5) / cell_width_px()), 0,
-                                 kBackgroundCols - 1);
-      const int row = std::clamp(static_cast<int>((pixel.y() + 0.5) / cell_height_px()), 0,
-                                 kBackgroundRows - 1);
-      Point& target = moved[static_cast<std::size_t>(row * kBackgroundCols + col)];
+      Point& target = moved[cell_of(pixel)];
       if (target.z_m > 0.0F && double(target.z_m) <= position_m.z()) continue;
       target = {static_cast<float>(position_m.x()), static_cast<float>(position_m.y()),
                 static_cast<float>(position_m.z()), point.num_covered_frames};

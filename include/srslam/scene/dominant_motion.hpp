@@ -35,7 +35,7 @@ struct DominantMotionOptions {
   int reference_width_px = 640;    ///< image width for which distances in pixels hold; > 0
   int min_tracks = 10;             ///< fewer usable tracks: no answer; >= 4
   int max_motions = 3;             ///< looked for, 1..3
-  double min_motion_share = 0.15;  ///< of the usable tracks, for a motion beside the strongest
+  double min_motion_share = 0.08;  ///< of the usable tracks, for a motion beside the strongest
   int max_samples = 100;           ///< minimal samples a motion, 1..10000
   /// Sampling stops when it is this sure to have met a sample of inliers only; (0, 1).
   double sample_confidence = 0.99;

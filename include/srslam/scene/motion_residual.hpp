@@ -95,8 +95,8 @@ struct MotionResidualResult {
   GridArray<MotionResidualCell> cells{};  ///< by the reference position
   int num_tracks = 0;                     ///< given
   int num_alive = 0;
-  int num_used = 0;           ///< alive and, if compensated, predicted by the camera's motion
-  double alive_share = 0.0;   ///< of the given tracks
+  int num_used = 0;          ///< alive and, if compensated, predicted by the camera's motion
+  double alive_share = 0.0;  ///< of the given tracks
   /// Of usable tracks without the spurious share, with the camera's motion; 0 for kNone.
   double inlier_share = 0.0;
   /// How far the camera's motion outweighs the strongest other one: their shares' ratio, 1 without

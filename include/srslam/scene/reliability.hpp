@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "srslam/core/array_view.hpp"
 #include "srslam/core/camera.hpp"
@@ -41,17 +42,17 @@ struct SceneAssessorOptions {
   double residual_scale_px = 5.0;  ///< R_cb, at the reference width; > 0
   double threshold = 0.20;         ///< th_scene; finite, >= 0
   /// When a smaller share than this of the tracks with the camera's motion lies outside the boxes
-  /// of movable objects, the motion may be theirs and the reliability falls in proportion, to 0
-  /// when they cover everything. [0, 1], 0: not asked
+  /// of movable objects and what has come before the background, the motion may be theirs: the
+  /// reliability falls in proportion, to 0 when they cover everything, and the camera is thought to
+  /// go on as it did, but for no more than `max_coasted_frames` in a row. [0, 1], 0: not asked
   double min_background_share = 0.5;
+  int max_coasted_frames = 10;  ///< >= 0
   /// When less than this share of the view is clear of what has come before the background
   /// (BackgroundDepth), detected or not, the reliability falls in proportion. [0, 1], 0: not asked
   double min_clear_share = 0.5;
   /// A motion that continues the camera's so far less than this (MotionCandidate::continuity) is
-  /// not taken for its: the reliability falls in proportion, and the camera is thought to go on as
-  /// it did, but for no more than `max_coasted_frames` in a row. [0, 1], 0: not asked
+  /// not taken for its: the reliability falls in proportion. [0, 1], 0: not asked
   double min_continuity = 0.3;
-  int max_coasted_frames = 0;  ///< >= 0
   /// When every track of the reference was lost, nobody knows how what is seen now moves against
   /// what was seen before: the reliability begins at 0 again and is back after so many frames that
   /// are connected by tracks. 0: not asked, as what covers the view is known (min_clear_share)
@@ -137,7 +138,7 @@ struct ReliabilityTerms {
   double dominance = 1.0;         ///< see MotionResidualResult
   double continuity = 1.0;        ///< see MotionCandidate; 1 where nothing was predicted
   double settled_share = 1.0;     ///< of num_settling_frames, since tracks were lost altogether
-  double background_share = 1.0;  ///< of the inliers, outside boxes of movable objects
+  double background_share = 1.0;  ///< of the inliers, on nothing that may move or came in between
   double clear_share = 1.0;       ///< of the view, with nothing that came before the background
   double alive_share = 1.0;
   bool initial = false;  ///< judged without motion: the other terms do not count
@@ -221,8 +222,9 @@ struct SceneReport {
               to_string(residual.compensation) + ") x inliers" + number(terms.inlier_share) +
               " x dominance" + number(terms.dominance) + "; continuity" + number(terms.continuity) +
               ", settled" + number(terms.settled_share) + ", background" +
-              number(terms.background_share) + ", clear" + number(terms.clear_share) + ", alive" + number(terms.alive_share) +
-              ", reference " + std::to_string(reference_age_frames) + " frames old";
+              number(terms.background_share) + ", clear" + number(terms.clear_share) + ", alive" +
+              number(terms.alive_share) + ", reference " + std::to_string(reference_age_frames) +
+              " frames old";
     }
     text += "; confidence" + number(confidence.metric.normalized()) + " spatial" +
             number(spatial.metric.normalized()) + " feature" + number(feature.metric.normalized()) +
@@ -378,19 +380,20 @@ class SceneAssessor {
           (T_path_last * state_.T_before_last.pose()).inverse() * T_path_reference;
     }
     MotionResidualResult& residual = report->residual;
+    const ArrayView<const FlowTrack> tracks = suspect_covered(frame.tracks);
     if (!state_.policy.has_reference()) {
       // Nothing to measure against.
     } else if (frame.T_current_reference != nullptr) {
-      residual = motion_residual_given_pose(frame.tracks, camera_, *frame.T_current_reference,
+      residual = motion_residual_given_pose(tracks, camera_, *frame.T_current_reference,
                                             options_.residual, &workspace_);
     } else {
-      residual =
-          motion_residual(frame.tracks, camera_, has_prediction ? &T_predicted_reference : nullptr,
-                          options_.residual, &workspace_);
+      residual = motion_residual(tracks, camera_, has_prediction ? &T_predicted_reference : nullptr,
+                                 options_.residual, &workspace_);
     }
     const bool measured =
         residual.status.ok() && residual.compensation == MotionCompensation::kRigid;
-    if (measured && has_prediction && residual.motion.continuity() < options_.min_continuity &&
+    if (measured && has_prediction &&
+        residual.motion.background_share < options_.min_background_share &&
         state_.num_coasted_frames < options_.max_coasted_frames) {
       state_.T_path_last = PlainPose(T_path_last * state_.T_before_last.pose());
       ++state_.num_coasted_frames;
@@ -415,12 +418,26 @@ class SceneAssessor {
     }
   }
 
+  /// The tracks, where those that end on something that came before the background are suspects,
+  /// too: in the frame before, since then they have hardly moved.
+  ArrayView<const FlowTrack> suspect_covered(ArrayView<const FlowTrack> tracks) {
+    if (options_.min_clear_share == 0.0 || state_.background.covered_share == 0.0) return tracks;
+    tracks_.assign(tracks.begin(), tracks.end());
+    for (FlowTrack& track : tracks_) {
+      if (track.alive && background_.is_covered(state_.background, double(track.current.u_px),
+                                                double(track.current.v_px))) {
+        track.current.suspect = true;
+      }
+    }
+    return tracks_;
+  }
+
   /// How much of the view is covered. The background moves with the camera, as long as what is
   /// seen to move can be the camera's motion.
   void measure_covered(const SceneObservation& frame, SceneReport* report) noexcept {
     if (frame.depth_m.empty()) return;
-    const bool is_known = report->has_step_motion &&
-                          report->residual.motion.continuity() >= options_.min_continuity;
+    const bool is_known =
+        report->has_step_motion && report->residual.motion.continuity() >= options_.min_continuity;
     report->covered = background_.update(
         frame.depth_m, is_known ? &report->T_current_previous : nullptr, &state_.background);
     report->terms.clear_share = 1.0 - report->covered.covered_share;
@@ -490,6 +507,7 @@ class SceneAssessor {
   Status status_;
   BackgroundDepth background_;
   State state_;
+  std::vector<FlowTrack> tracks_;
   DominantMotionWorkspace workspace_;
 };
 
