@@ -87,29 +87,37 @@ BENCHMARK(lucas_kanade)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-/// All of module S: optical flow, metrics, residual, classification.
+/// All of module S: corners, optical flow, metrics, residual, classification. `reduced`: judged in
+/// an image of at most 320 pixels of width, as shipped, or else in the image itself.
 void scene_module(benchmark::State& state) {
   const FlowInput input(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
-  LucasKanadeTracker tracker(flow_options(state));
+  SceneFlowOptions options;
+  options.corners.num_features = static_cast<int>(state.range(1));
+  if (state.range(2) == 0) options.max_width_px = 0;
+  SceneFlow flow(input.camera, options);
   SceneAssessor assessor(input.camera);
   SceneObservation frame;
   frame.features = input.features;
   frame.depth_m = {input.depth_m.data(), input.camera.width_px, input.camera.height_px};
+  std::size_t num_tracks = 0;
   for (auto _ : state) {
     const cv::Mat& image = input.frames[frame.frame_id % input.frames.size()];
-    tracker.push(++frame.frame_id, as_view<std::uint8_t>(image), input.points);
-    frame.tracks = tracker.tracks();
+    flow.push(++frame.frame_id, as_view<std::uint8_t>(image), frame.depth_m, {});
+    frame.tracks = flow.tracks();
     const SceneReport report = assessor.assess(frame);
-    if (report.reference_changed) tracker.follow(report.next_reference_id);
+    flow.follow(report);
+    num_tracks = frame.tracks.size;
     benchmark::DoNotOptimize(report.reliability);
   }
+  state.counters["tracks"] = double(num_tracks);
 }
 BENCHMARK(scene_module)
-    ->ArgNames({"width", "points", "large"})
-    ->Args({640, 1000, 0})
+    ->ArgNames({"width", "points", "reduced"})
     ->Args({640, 1000, 1})
-    ->Args({640, 2000, 0})
-    ->Args({1280, 1000, 0})
+    ->Args({640, 1000, 0})
+    ->Args({640, 2000, 1})
+    ->Args({1280, 1000, 1})
+    ->Args({1280, 2000, 1})
     ->Args({1280, 2000, 0})
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);

@@ -120,6 +120,23 @@ BENCHMARK(four_metrics)
     ->Args({1280, 2000})
     ->Unit(benchmark::kMicrosecond);
 
+/// What covers the view, with the camera moving.
+void background_depth(benchmark::State& state) {
+  const SceneInput input(static_cast<int>(state.range(0)), 1000);
+  const BackgroundDepth background(input.scene.camera);
+  BackgroundDepth::State memory;
+  const Pose T_current_previous = test::flow_pose(0.01, 0.0, 0.005, 0.0, 0.004, 0.0);
+  const ImageView<const float> depth_m = input.depth_view();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(background.update(depth_m, &T_current_previous, &memory));
+  }
+}
+BENCHMARK(background_depth)
+    ->ArgNames({"width"})
+    ->Arg(640)
+    ->Arg(1280)
+    ->Unit(benchmark::kMicrosecond);
+
 void residual(benchmark::State& state) {
   const SceneInput input(640, static_cast<int>(state.range(1)));
   MotionResidualOptions options;
