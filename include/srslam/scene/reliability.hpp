@@ -172,7 +172,8 @@ struct SceneObservation {
   bool has_detections = false;
   ArrayView<const double> mask_areas_px;  ///< see spatial_distribution()
   ArrayView<const Feature> features;
-  ImageView<const float> depth_m;  ///< empty: the metric is absent
+  /// Empty: its metric is absent, and nothing is known to cover the view.
+  ImageView<const float> depth_m;
   /// Points of the frame SceneReport::next_reference_id named last, followed into this one; empty
   /// without a reference.
   ArrayView<const FlowTrack> tracks;
