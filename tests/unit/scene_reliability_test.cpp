@@ -174,8 +174,10 @@ class AssessedStream {
     }
   }
 
-  SceneReport next(const std::vector<FlowTrack>& tracks = {}) {
+  SceneReport next(const std::vector<FlowTrack>& tracks = {},
+                   const Pose* T_current_reference = nullptr) {
     SceneObservation frame;
+    frame.T_current_reference = T_current_reference;
     frame.frame_id = ++frame_id_;
     frame.features = features_;
     if (!depth_m_.empty()) frame.depth_m = {depth_m_.data(), 640, 480};
@@ -362,6 +364,24 @@ TEST(SceneAssessor, WhatComesBeforeTheBackgroundIsNoScene) {
   blind.depth_m().clear();
   blind.start();
   EXPECT_EQ(blind.next(tracks).terms.clear_share, 1.0);
+}
+
+TEST(SceneAssessor, APoseFromElsewhereIsBelievedWhateverTheTracksAreOn) {
+  FlowScene scene;
+  scene.T_current_reference = Pose::Identity();
+  std::vector<FlowTrack> tracks = scene.tracks();
+  for (FlowTrack& track : tracks) track.current.suspect = true;
+  const Pose still = Pose::Identity();
+  AssessedStream told;
+  AssessedStream untold;
+  for (int i = 1; i <= 5; ++i) {
+    told.next(scene.tracks(), &still);
+    untold.next(scene.tracks());
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(told.next(tracks, &still).has_step_motion);
+    EXPECT_FALSE(untold.next(tracks).has_step_motion);
+  }
 }
 
 /// A camera on its way at constant velocity, whose tracks are those of the assessor's reference.

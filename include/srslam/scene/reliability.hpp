@@ -393,7 +393,8 @@ class SceneAssessor {
     }
     const bool measured =
         residual.status.ok() && residual.compensation == MotionCompensation::kRigid;
-    if (measured && has_prediction &&
+    // A pose from elsewhere is not in doubt.
+    if (measured && has_prediction && frame.T_current_reference == nullptr &&
         residual.motion.background_share < options_.min_background_share &&
         state_.num_coasted_frames < options_.max_coasted_frames) {
       state_.T_path_last = PlainPose(T_path_last * state_.T_before_last.pose());
