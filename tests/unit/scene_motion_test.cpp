@@ -157,7 +157,7 @@ TEST(MotionResidual, ASpuriousShareDoesNotCount) {
   // Nothing moves but every tenth track, by 5, 6, ..., 14 px.
   std::vector<FlowTrack> tracks;
   for (int i = 0; i < 100; ++i) {
-    const float step_px = i % 10 == 0 ? 5.0F + float(i / 10) : 0.0F;
+    const float step_px = i % 10 == 0 ? 5.0F + 0.1F * float(i) : 0.0F;
     FlowTrack track = moved(float(6 * i + 15), float((53 * i) % 470), 0, step_px);
     track.reference.depth_m = 2.0F;
     tracks.push_back(track);

@@ -90,11 +90,12 @@ class BackgroundDepth {
     if (!status_.ok()) return;
     rays_.resize(static_cast<std::size_t>(kBackgroundCells), Eigen::Vector3f::Zero());
     for (std::size_t i = 0; i < rays_.size(); ++i) {
-      const auto cell = static_cast<int>(i);
+      const int col = static_cast<int>(i) % kBackgroundCols;
+      const int row = static_cast<int>(i) / kBackgroundCols;
       Eigen::Vector3d ray;
       // A pixel covers half a pixel around its centre.
-      const Eigen::Vector2d centre_px((cell % kBackgroundCols + 0.5) * cell_width_px() - 0.5,
-                                      (cell / kBackgroundCols + 0.5) * cell_height_px() - 0.5);
+      const Eigen::Vector2d centre_px((col + 0.5) * cell_width_px() - 0.5,
+                                      (row + 0.5) * cell_height_px() - 0.5);
       if (camera_.unproject(centre_px, 1.0, &ray)) rays_[i] = ray.cast<float>();
     }
   }
@@ -194,7 +195,7 @@ class BackgroundDepth {
 
   /// Pixel in the middle of part `number` of `count` equal parts.
   static int sample_index(int number, int count, int size_px) noexcept {
-    return static_cast<int>((std::int64_t(2 * number + 1) * size_px) / (2 * count));
+    return static_cast<int>((2 * std::int64_t{number} + 1) * size_px / (2 * std::int64_t{count}));
   }
 
   /// Takes the background along with the camera; of two points in a cell the nearer one is seen.
