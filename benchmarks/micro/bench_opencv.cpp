@@ -7,6 +7,7 @@
 #include "srslam/interop/opencv.hpp"
 #include "srslam/scene/reliability.hpp"
 #include "support/flow_scene.hpp"
+#include "support/random_texture.hpp"
 
 namespace srslam {
 namespace {
@@ -20,14 +21,8 @@ struct FlowInput {
       camera.cy_px = 359.5;
     }
     test::Rng rng(1);
-    cv::Mat texture(camera.height_px + 80, camera.width_px + 80, CV_8UC1);
-    for (int v = 0; v < texture.rows; ++v) {
-      for (int u = 0; u < texture.cols; ++u) {
-        texture.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(rng.uniform_int(0, 255));
-      }
-    }
-    cv::GaussianBlur(texture, texture, {0, 0}, 2.0);
-    cv::normalize(texture, texture, 0, 255, cv::NORM_MINMAX);
+    const cv::Mat texture =
+        test::random_texture(rng, camera.width_px + 80, camera.height_px + 80, 2.0);
     for (int i = 0; i < 16; ++i) {
       const int shift = 4 * (i < 8 ? i : 16 - i);
       frames.push_back(

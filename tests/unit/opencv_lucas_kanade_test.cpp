@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "srslam/interop/opencv.hpp"
+#include "support/random_texture.hpp"
 #include "support/rng.hpp"
 
 namespace srslam {
@@ -14,15 +15,7 @@ namespace {
 /// Smooth random texture that is larger than the view into it.
 cv::Mat random_texture(std::uint64_t seed) {
   test::Rng rng(seed);
-  cv::Mat texture(400, 500, CV_8UC1);
-  for (int v = 0; v < texture.rows; ++v) {
-    for (int u = 0; u < texture.cols; ++u) {
-      texture.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(rng.uniform_int(0, 255));
-    }
-  }
-  cv::GaussianBlur(texture, texture, {0, 0}, 2.5);
-  cv::normalize(texture, texture, 0, 255, cv::NORM_MINMAX);
-  return texture;
+  return test::random_texture(rng, 500, 400, 2.5);
 }
 
 /// 320×240 pixels of the texture, whose content moves by (du, dv) for du, dv > 0.

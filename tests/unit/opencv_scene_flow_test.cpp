@@ -10,6 +10,7 @@
 
 #include "srslam/interop/scene_flow.hpp"
 #include "support/flow_scene.hpp"
+#include "support/random_texture.hpp"
 #include "support/rng.hpp"
 
 namespace srslam {
@@ -21,15 +22,7 @@ using test::flow_camera;
 cv::Mat texture(double du_px, double dv_px) {
   static const cv::Mat noise = [] {
     test::Rng rng(5);
-    cv::Mat image(560, 720, CV_8UC1);
-    for (int v = 0; v < image.rows; ++v) {
-      for (int u = 0; u < image.cols; ++u) {
-        image.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(rng.uniform_int(0, 255));
-      }
-    }
-    cv::GaussianBlur(image, image, {0, 0}, 3.0);
-    cv::normalize(image, image, 0, 255, cv::NORM_MINMAX);
-    return image;
+    return test::random_texture(rng, 720, 560, 3.0);
   }();
   const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, du_px - 40, 0, 1, dv_px - 40);
   cv::Mat view;

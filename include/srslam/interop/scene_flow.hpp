@@ -62,9 +62,6 @@ class SceneFlow {
     Status valid = check(gray);
     if (valid.ok() && !depth_m.empty()) valid = check(depth_m);
     if (valid.ok() && !mask.empty()) valid = check(mask);
-    if (valid.ok() && has_last_ && frame_id <= last_frame_id_) {
-      valid = Status::failure(StatusCode::kInvalidArgument, "frame ids must increase");
-    }
     if (!valid.ok()) return valid;
     const ImageView<const std::uint8_t> reduced = reduce(gray, cv::INTER_AREA, &gray_);
     corners_.detect(reduced, mask.empty() ? mask : reduce(mask, cv::INTER_NEAREST, &mask_));
@@ -72,22 +69,19 @@ class SceneFlow {
     for (const CornerPyramid::Level& level : corners_.levels()) {
       for (const cv::KeyPoint& corner : level.corners) {
         FlowPoint point;
-        point.u_px = to_full(level.to_level0_u(corner.pt.x));
-        point.v_px = to_full(level.to_level0_v(corner.pt.y));
-        describe_flow_point(depth_m, detections, &point);
-        if (!depth_m.empty()) {
-          point.depth_m =
-              front_depth_at(depth_m, point.u_px, point.v_px, edge_reach_px_, kMinDepthStep);
-        }
         point.u_px = level.to_level0_u(corner.pt.x);
         point.v_px = level.to_level0_v(corner.pt.y);
+        FlowPoint full = point;
+        enlarge(&full);
+        describe_flow_point(depth_m, detections, &full);
+        point.suspect = full.suspect;
+        point.depth_m =
+            front_depth_at(depth_m, full.u_px, full.v_px, edge_reach_px_, kMinDepthStep);
         points_.push_back(point);
       }
     }
     const Status pushed = tracker_.push(frame_id, reduced, points_);
     if (!pushed.ok()) return pushed;
-    last_frame_id_ = frame_id;
-    has_last_ = true;
     tracks_.clear();
     if (!tracker_.following()) return Status::success();
     for (FlowTrack track : tracker_.tracks()) {
@@ -143,14 +137,12 @@ class SceneFlow {
             static_cast<std::ptrdiff_t>(buffer->step[0])};
   }
 
-  /// Integers are pixel centres, so halves are added before a length is scaled.
-  float to_full(float x_px) const noexcept {
-    const auto factor = static_cast<float>(factor_);
-    return (x_px + 0.5F) * factor - 0.5F;
-  }
+  /// To pixels of the image given. Integers are pixel centres, so halves are added before a length
+  /// is scaled.
   void enlarge(FlowPoint* point) const noexcept {
-    point->u_px = to_full(point->u_px);
-    point->v_px = to_full(point->v_px);
+    const auto factor = static_cast<float>(factor_);
+    point->u_px = (point->u_px + 0.5F) * factor - 0.5F;
+    point->v_px = (point->v_px + 0.5F) * factor - 0.5F;
   }
 
   PinholeCamera camera_;
@@ -163,8 +155,6 @@ class SceneFlow {
   cv::Mat gray_, mask_;
   std::vector<FlowPoint> points_, guess_;
   std::vector<FlowTrack> tracks_;
-  std::uint64_t last_frame_id_ = 0;
-  bool has_last_ = false;
 };
 
 }  // namespace srslam
